@@ -6,14 +6,16 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from nocturne_client.local.compiled import compile_to
+from nocturne_client.local.compiled import CompiledFolder, compile_to
 from nocturne_scene.compile.unmet import unmet_light
 from nocturne_scene.formats.import_scene import import_scene
 from nocturne_scene.formats.reading.options import ImportOptions
 from nocturne_scene.render_warnings import RenderWarning
+from numpy.typing import NDArray
 
 from tests.accuracy.scenes import diffuse, quad, sphere, surface
 from tests.accuracy.tracing import Document
+from tests.pictures import write_exr
 
 GLASS_BALL = Path(__file__).parents[2] / "examples" / "pbrt" / "glass_ball.pbrt"
 
@@ -67,6 +69,14 @@ def _seen_in_a_mirror(
     return compile_to(folder / "scene.json", folder, _EDGE, _EDGE, 16).warnings
 
 
+def _named(said: tuple[RenderWarning, ...]) -> NDArray[np.bool_]:
+    """Pixels in which light may be missing."""
+    named = np.zeros((_EDGE, _EDGE), dtype=np.bool_)
+    for part in (part for warning in said for part in warning.parts):
+        named[part.pixels] = True
+    return named
+
+
 PHONG: Document = {"type": "phong", "reflectance": 0.9}
 """With an exponent from 20 on it gathers, too, and nothing else in the scene need."""
 
@@ -75,9 +85,7 @@ PHONG: Document = {"type": "phong", "reflectance": 0.9}
 def test_a_lamp_of_a_millimetre_in_a_mirror_is_named_where_it_shows(kernel: Document, tmp_path: Path) -> None:
     """Its image is 7 m off, 0.9 m to a side and 0.6 m up: one photon of 8,000 of that pixel meets it."""
     said = _seen_in_a_mirror(5e-4, 1e7, kernel, tmp_path)
-    named = np.zeros((_EDGE, _EDGE), dtype=np.bool_)
-    for part in (part for warning in said for part in warning.parts):
-        named[part.pixels] = True
+    named = _named(said)
     half = tan(radians(_TALL / 2.0))
     column, row = (0.5 * _EDGE * (1.0 + side / 7.0 / half) for side in (-0.9, -0.6))
     assert named[int(row), int(column)], (said, column, row)
@@ -89,3 +97,60 @@ def test_nothing_is_named_where_a_lamp_is_met(tmp_path: Path) -> None:
     assert not _seen_in_a_mirror(0.4, 20.0, SILVER, tmp_path)
     assert not _seen_in_a_mirror(5e-4, 1e7, diffuse(0.5), tmp_path)
     assert not _seen_in_a_mirror(5e-4, 1e7, PHONG | {"exponent": 19.0}, tmp_path)
+
+
+def _thrown_to_a_floor(kernel: Document, folder: Path) -> CompiledFolder:
+    """A mirror that leans over a floor, and a lamp of 2 mm, both of whose light comes to the camera."""
+    document = {
+        "nocturne": 1,
+        "sensor": {
+            "type": "pinhole",
+            "position": [0, 2.5, -3],
+            "look_at": [0, 0, 0],
+            "vertical_field_of_view_degrees": _TALL,
+        },
+        "environment": {"radiance": 0.05},
+        "surfaces": [
+            surface(quad([-2, 0, -2], [0, 0, 4], [4, 0, 0]), diffuse(0.5)),
+            surface(quad([-0.4, 0.05, 0.5], [0, 0.6, 0.4], [0.8, 0, 0]), kernel),
+            surface(sphere([0.3, 1.6, -0.5], 1e-3), diffuse(0.0), 1e7),
+        ],
+    }
+    folder.mkdir(exist_ok=True)
+    (folder / "scene.json").write_text(json.dumps(document))
+    return compile_to(folder / "scene.json", folder, _EDGE, _EDGE, 16)
+
+
+def _picture(values: list[float], folder: Path) -> Document:
+    """As a value that varies: columns of these numbers."""
+    folder.mkdir(exist_ok=True)
+    write_exr(folder / "picture.exr", np.tile(np.array(values, np.float32)[:, None], (8, 1, 1)), "Y")
+    return {"texture": {"asset": "picture.exr"}}
+
+
+_METAL: Document = {"type": "principled", "metallic": 1.0, "base": 0.95}
+"""Its roughness is the root of a microfacet's."""
+
+
+@pytest.mark.parametrize(
+    ("kernel", "name", "smooth", "rough"),
+    [(SILVER, "roughness", 0.01, 0.5), (_METAL, "roughness", 0.1, 0.7)],
+    ids=["conductor", "principled"],
+)
+def test_a_roughness_that_is_a_picture_gathers_where_it_is_smooth(
+    kernel: Document, name: str, smooth: float, rough: float, tmp_path: Path
+) -> None:
+    """A picture of one number is that number, but for the pilot's chance; one of smooth parts gathers as
+    well; a rough one does not."""
+
+    def named_of(values: list[float]) -> NDArray[np.bool_]:
+        folder = tmp_path / f"{values}"
+        varies = kernel | {name: _picture(values, folder) if len(values) > 1 else values[0]}
+        return _named(_thrown_to_a_floor(varies, folder).warnings)
+
+    by_number, by_picture = named_of([smooth]), named_of([smooth] * 4)
+    assert by_number.any()
+    assert (by_number & by_picture).sum() > 0.5 * (by_number | by_picture).sum()
+    assert named_of([smooth, smooth, rough, rough]).any()
+    assert not named_of([rough]).any()
+    assert not named_of([rough] * 4).any()

@@ -178,7 +178,7 @@ def test_grey_and_its_alpha_or_depth(tmp_path: Path) -> None:
         pixels = np.full((2, 3, len(names.split())), 0.75)
         pixels[..., names.split().index("Y")] = 0.25
         file = exr(tmp_path / "a.exr", pixels, names)
-        (tmp_path / "texture.exr").write_bytes(convert(file, 1, "linear"))
+        (tmp_path / "texture.exr").write_bytes(convert(file, 1, "linear").content)
         assert seen(tmp_path / "texture.exr")[0, 0, 0] == 0.25
 
 

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Callable
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 from nocturne.v1 import scene_pb2
@@ -23,10 +23,18 @@ from nocturne_scene.spectra import tables as spectra
 from nocturne_scene.textures import image_files as image_textures
 from nocturne_scene.textures.pictures import UnusableImageError, opened
 
-_CONVERSION = 3
+_CONVERSION = 4
 """Number of how pictures become texture files; raised with every change of that, since these are kept."""
 
 _ENCODINGS: dict[str, image_textures.Encoding] = {"sRGB": "srgb", "linear": "linear"}
+
+
+class _Facts(NamedTuple):
+    """About a texture file."""
+
+    channels: int
+    least: float
+    most: float
 
 
 class Textures:
@@ -141,25 +149,27 @@ class Textures:
         digest = self._workspace.asset(texture.asset)
         key = (texture.asset, channels or 0, texture.encoding or encoding or "", texture.wrap, texture.sharp)
         if key not in self._converted:
-            blob, chosen = self._convert(digest.hex(), channels, texture.encoding or encoding)
+            blob, facts = self._convert(digest.hex(), channels, texture.encoding or encoding)
             message = scene_pb2.Texture(
                 blob=blob,
-                channels=chosen,
+                channels=facts.channels,
                 clamp=texture.wrap == "clamp",
                 sharp=texture.sharp,
             )
+            if facts.channels == 1:
+                message.least, message.most = facts.least, facts.most
             self._converted[key] = self._workspace.textures.index_of(message)
         return self._converted[key]
 
     def _convert(
         self, asset: str, channels: Literal[1, 3] | None, encoding: Literal["sRGB", "linear"] | None
-    ) -> tuple[bytes, int]:
-        """Digest and channels of a picture's texture file, made once for all scenes of a blob store."""
+    ) -> tuple[bytes, "_Facts"]:
+        """Digest of a picture's texture file, made once for all scenes of a blob store, and its facts."""
         workspace = self._workspace
         about = NoteKey(asset, json.dumps(["texture", channels, encoding, _CONVERSION]))
         match workspace.made_before(about):
-            case (bytes(before), int(of_before)):
-                return before, of_before
+            case (bytes(before), [int(of_before), float(least), float(most)]):
+                return before, _Facts(of_before, least, most)
         file = workspace.blobs.path(asset)
         with opened(file) as picture:
             spec = picture.spec()
@@ -167,6 +177,7 @@ class Textures:
             is_linear = spec.format.basetype in (oiio.HALF, oiio.FLOAT)
         chosen: Literal[1, 3] = channels or (1 if is_grey else 3)
         encoded = encoding or ("linear" if is_linear else "sRGB")
-        blob = workspace.keep(image_textures.convert(file, chosen, _ENCODINGS[encoded]))
-        workspace.note_made(about, blob, chosen)
-        return blob, chosen
+        made = image_textures.convert(file, chosen, _ENCODINGS[encoded])
+        blob, facts = workspace.keep(made.content), _Facts(chosen, made.least, made.most)
+        workspace.note_made(about, blob, list(facts))
+        return blob, facts

@@ -150,19 +150,14 @@ def open_ways(
     return OpenWays(names, default, asked)
 
 
-_GATHER = {"conductor", "dielectric", "thin_pane", "coated_diffuse", "principled"}
-"""Kernels that mirror or refract, or may."""
-
-_SHARP_EXPONENT = 20.0
-"""Of a Phong lobe that gathers: is_specular_like in worker/src/scene/load_kernels.cpp."""
+_SPREAD = {"lambertian", "diffuse_transmitter", "null_kernel", "blend"}
+"""Kernels that send light to all sides, or on as if nothing were there, and mixtures of others."""
 
 
 def may_gather(scene: scene_pb2.CompiledScene) -> bool:
-    """Whether surfaces may gather light, so that photons from the sensor meet little of it, or none."""
-    return any(
-        kernel.WhichOneof("model") in _GATHER or kernel.phong.exponent >= _SHARP_EXPONENT
-        for kernel in scene.kernels
-    )
+    """Whether surfaces may gather light, so that photons from the sensor meet little of it, or none. Which of
+    them do is the tracer's to say: its pilot then has nothing to look for."""
+    return any(kernel.WhichOneof("model") not in _SPREAD for kernel in scene.kernels)
 
 
 def _may_lose_hints(mixture: Mixture, scene: scene_pb2.CompiledScene) -> bool:

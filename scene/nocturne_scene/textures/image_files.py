@@ -5,6 +5,7 @@ Equal pictures give equal bytes: nothing of the source's or the machine's goes i
 """
 
 import tempfile
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
@@ -27,7 +28,16 @@ _TILE = 64
 NO_DATE = "1970:01:01 00:00:00"
 
 
-def convert(source: Path, channels: Literal[1, 3], encoding: Encoding) -> bytes:
+@dataclass(frozen=True)
+class TextureFile:
+    """What the tracer reads, and its smallest and largest number."""
+
+    content: bytes
+    least: float
+    most: float
+
+
+def convert(source: Path, channels: Literal[1, 3], encoding: Encoding) -> TextureFile:
     """Return the texture file of a PNG, JPEG, TIFF, EXR or HDR picture.
 
     `srgb`: values are decoded by IEC 61966-2-1. One channel of a colour picture is its luminance (after
@@ -48,7 +58,9 @@ def convert(source: Path, channels: Literal[1, 3], encoding: Encoding) -> bytes:
         )
     if encoding == "srgb":
         values = decoded(values)
-    return _texture(_with_channels(values, channels), "half" if narrow else "float")
+    values = _with_channels(values, channels)
+    kept = values.astype(np.float16) if narrow else values
+    return TextureFile(_texture(values, "half" if narrow else "float"), float(kept.min()), float(kept.max()))
 
 
 def decoded(values: Any) -> Any:

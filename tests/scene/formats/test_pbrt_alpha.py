@@ -35,7 +35,7 @@ def numbers(tmp_path: Path, use: dict[str, Any], document: dict[str, Any]) -> ND
     texture = document["textures"][use["texture"]]
     encoding = {"sRGB": "srgb", "linear": "linear"}[texture["encoding"]]
     made = tmp_path / "texture.exr"
-    made.write_bytes(convert(tmp_path / "out" / texture["asset"], 1, encoding))  # type: ignore[arg-type]
+    made.write_bytes(convert(tmp_path / "out" / texture["asset"], 1, encoding).content)  # type: ignore[arg-type]
     return np.asarray(read_pixels(made)[..., 0] * np.float32(use.get("gain", 1.0)))
 
 

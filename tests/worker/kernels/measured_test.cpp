@@ -144,6 +144,25 @@ TEST(Measured, PlanesMayWeighBasisSpectra) {
   EXPECT_NEAR(v[3], 0.1, 1e-6);
 }
 
+// Even light along the normal comes from a diffuse surface with the cosine, sin^2 of the angle up to
+// it, and is turned by twice the half vector's. A lobe of exp(-tan^2/a^2) / cos^4 has 1 - exp(-1)
+// within the slope a (Beckmann), and its light along the normal as good as that while it is narrow.
+TEST(Measured, TellsHowMuchStaysTogether) {
+  test::MeasuredBlob blob;
+  blob.f = [](double, double, double, std::uint32_t) { return 0.3; };
+  for (const double slope : {0.1, 0.3, 0.8}) {
+    const double sine = std::sin(2.0 * std::atan(slope));
+    EXPECT_NEAR(blob.kernel().table->share_within(slope), sine * sine, 2e-3) << slope;
+  }
+  blob.f = [](double theta_h, double, double, std::uint32_t) {
+    const double slope = std::tan(theta_h) / 0.05, cosine = std::cos(theta_h);
+    return std::exp(-slope * slope) / (cosine * cosine * cosine * cosine);
+  };
+  EXPECT_NEAR(blob.kernel().table->share_within(0.05), 1.0 - std::exp(-1.0), 0.01);
+  blob.f = [](double, double, double, std::uint32_t) { return 0.0; };
+  EXPECT_EQ(blob.kernel().table->share_within(0.3), 0.0);
+}
+
 TEST(Measured, RefusesWhatIsDamaged) {
   const auto good = test::glossy_blob();
   EXPECT_NO_THROW(MeasuredTable{good.bytes()});

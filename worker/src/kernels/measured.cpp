@@ -181,6 +181,27 @@ float MeasuredTable::brdf(const Nodes& nodes, const Planes& planes) const {
   return sum;
 }
 
+double MeasuredTable::share_within(double slope) const {
+  // Light along the normal is turned by twice the half vector's angle, so that all of them is met
+  // below 45 degrees: the mean over planes, with an even step in the angle.
+  constexpr int kSteps = 512;
+  double within = 0.0, all = 0.0;
+  for (int i = 0; i < kSteps; ++i) {
+    const double theta_h = 0.5 * kHalfPi * (i + 0.5) / kSteps, theta_i = 2.0 * theta_h;
+    const auto sine = static_cast<float>(math::sin(theta_i));
+    const auto cosine = static_cast<float>(math::cos(theta_i));
+    const Nodes at = nodes({0.0f, 0.0f, 1.0f}, {sine, 0.0f, cosine});
+    double value = 0.0;
+    for (std::uint32_t plane = 0; plane < n_planes_; ++plane) {
+      value += static_cast<double>(brdf(at, {{plane, plane, plane}, {1.0f, 0.0f, 0.0f}}));
+    }
+    value *= static_cast<double>(sine) * static_cast<double>(cosine);
+    all += value;
+    if (math::sin(theta_h) <= slope * math::cos(theta_h)) within += value;
+  }
+  return all > 0.0 ? within / all : 0.0;
+}
+
 void MeasuredTable::read_marginal() {
   // Mean over planes and difference angles at every node of theta_h, weighted as those angles are
   // met under even light.

@@ -45,6 +45,10 @@ class MeasuredTable {
   /// Share of the energy that is reflected, at most 1 and above 0 wherever brdf is.
   float albedo(float cosine, const Planes& planes) const;
 
+  /// Of what even light along the normal brings to all directions, the part by half vectors whose
+  /// slope against the normal is so much or less; 0 where nothing is reflected.
+  double share_within(double slope) const;
+
   /// A half vector from the table's marginal, and its density per steradian.
   Vec3 sample_half(float u, float v) const;
   float half_pdf(Vec3 h) const;

@@ -121,48 +121,70 @@ bool anisotropic(const v1::Roughness& roughness) {
          roughness.alpha_u().constant() != roughness.alpha_v().constant();
 }
 
-bool is_specular_like(const v1::Roughness& roughness) {
-  constexpr double kMaxAlpha = 0.3;
-  return !varies(roughness.alpha_u()) && !varies(roughness.alpha_v()) &&
-         std::max(roughness.alpha_u().constant(), roughness.alpha_v().constant()) <= kMaxAlpha;
-}
+// Of which kernels light that they send on stays together. As a whole: both ends of a path must say
+// the same of a point, whatever part of a texture they look up there.
+class SpecularLike {
+ public:
+  SpecularLike(const v1::CompiledScene& message, const std::vector<AnyKernel>& kernels)
+      : message_(message), kernels_(kernels) {}
 
-// Metal alone, without fuzz: a dielectric has its diffuse base.
-bool is_specular_like(const v1::Principled& kernel) {
-  constexpr double kMaxRoughness = 0.5;  // alpha 0.25
-  const auto low = [](const v1::Scalar& roughness) {
-    return !varies(roughness) && roughness.constant() <= kMaxRoughness;
-  };
-  return !varies(kernel.metallic()) && kernel.metallic().constant() >= 1.0 &&
-         low(kernel.roughness()) && low(kernel.brush().roughness()) && !kernel.has_sheen();
-}
+  bool operator()(std::size_t index) const {
+    const v1::Kernel& kernel = message_.kernels(static_cast<int>(index));
+    switch (kernel.model_case()) {
+      case v1::Kernel::kConductor:
+        return narrow(kernel.conductor().roughness());
+      case v1::Kernel::kDielectric:
+        return narrow(kernel.dielectric().roughness());
+      case v1::Kernel::kMeasured:
+        return std::get<Measured>(kernels_[index]).table->share_within(kMaxAlpha) >= 0.5;
+      case v1::Kernel::kPhong:
+        return kernel.phong().exponent() >= kMinExponent;
+      case v1::Kernel::kPrincipled:
+        return narrow(kernel.principled());
+      case v1::Kernel::kBlend:
+        return std::ranges::all_of(kernel.blend().parts(), [&](const v1::Blend::Part& part) {
+          return (*this)(part.kernel());
+        });
+      default:
+        return false;
+    }
+  }
+
+ private:
+  // Half of what a microfacet's lobe mirrors along its normal is turned by facets whose slope is
+  // its alpha at most.
+  static constexpr double kMaxAlpha = 0.3;
+  // As narrow as a microfacet's lobe at the same limit: n = 2 / alpha^2 - 2.
+  static constexpr double kMinExponent = 20.0;
+
+  bool narrow(const v1::Roughness& roughness) const {
+    return std::max(least(roughness.alpha_u()), least(roughness.alpha_v())) <= kMaxAlpha;
+  }
+  // Metal alone, without fuzz: a dielectric has its diffuse base.
+  bool narrow(const v1::Principled& kernel) const {
+    constexpr double kMaxRoughness = 0.5;  // alpha 0.25
+    return !varies(kernel.metallic()) && kernel.metallic().constant() >= 1.0 &&
+           least(kernel.roughness()) <= kMaxRoughness &&
+           least(kernel.brush().roughness()) <= kMaxRoughness && !kernel.has_sheen();
+  }
+  // Of a number that varies the smallest that it may be.
+  double least(const v1::Scalar& scalar) const {
+    if (!varies(scalar)) return scalar.constant();
+    const v1::TextureUse& use = scalar.texture();
+    const v1::Texture& texture = message_.textures(static_cast<int>(use.texture()));
+    if (texture.least() == 0.0 && texture.most() == 0.0) return 0.0;
+    return use.bias() + std::min(use.gain() * texture.least(), use.gain() * texture.most());
+  }
+
+  const v1::CompiledScene& message_;
+  const std::vector<AnyKernel>& kernels_;
+};
 
 bool needs_detail(const v1::Principled& kernel) {
   return varies(kernel.base()) || varies(kernel.metallic()) || varies(kernel.roughness()) ||
          varies(kernel.coat()) || varies(kernel.coat_roughness()) || kernel.has_brush() ||
          varies(kernel.reflectance().amount()) || varies(kernel.reflectance().normal()) ||
          varies(kernel.sheen().colour()) || varies(kernel.sheen().roughness());
-}
-
-bool is_specular_like(const v1::CompiledScene& message, const v1::Kernel& kernel) {
-  // As narrow as a microfacet's lobe at the same limit: n = 2 / alpha^2 - 2.
-  constexpr double kMinExponent = 20.0;
-  switch (kernel.model_case()) {
-    case v1::Kernel::kConductor:
-      return is_specular_like(kernel.conductor().roughness());
-    case v1::Kernel::kDielectric:
-      return is_specular_like(kernel.dielectric().roughness());
-    case v1::Kernel::kPhong:
-      return kernel.phong().exponent() >= kMinExponent;
-    case v1::Kernel::kPrincipled:
-      return is_specular_like(kernel.principled());
-    case v1::Kernel::kBlend:
-      return std::ranges::all_of(kernel.blend().parts(), [&](const v1::Blend::Part& part) {
-        return is_specular_like(message, message.kernels(static_cast<int>(part.kernel())));
-      });
-    default:
-      return false;
-  }
 }
 
 }  // namespace
@@ -194,10 +216,12 @@ bool may_turn_sharply(const std::vector<AnyKernel>& kernels, std::uint32_t index
   });
 }
 
-std::vector<bool> load_specular_like(const v1::CompiledScene& message, std::size_t kernels) {
-  std::vector<bool> by_kernel(kernels, false);
-  for (int i = 0; i < message.kernels_size(); ++i) {
-    by_kernel[static_cast<std::size_t>(i)] = is_specular_like(message, message.kernels(i));
+std::vector<bool> load_specular_like(const v1::CompiledScene& message,
+                                     const std::vector<AnyKernel>& kernels) {
+  std::vector<bool> by_kernel(kernels.size(), false);
+  const SpecularLike specular_like(message, kernels);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(message.kernels_size()); ++i) {
+    by_kernel[i] = specular_like(i);
   }
   return by_kernel;
 }

@@ -14,10 +14,11 @@ bool has_delta_lobe(const std::vector<AnyKernel>& kernels, std::uint32_t index);
 /// Photons may go through.
 bool may_pass(const std::vector<AnyKernel>& kernels, std::uint32_t index);
 
-/// For so many kernels, of which the message's are the first: whether light that it sends on stays
+/// For all kernels, of which the message's are the first: whether light that it sends on stays
 /// together, so that what it falls on is better found from the luminaires: glass, mirrors and the
-/// like, roughness up to 0.3.
-std::vector<bool> load_specular_like(const v1::CompiledScene& message, std::size_t kernels);
+/// like, of a roughness that is 0.3 or less anywhere.
+std::vector<bool> load_specular_like(const v1::CompiledScene& message,
+                                     const std::vector<AnyKernel>& kernels);
 /// Whether a photon may be turned into a single direction, by a mirror, glass or the coat of paint.
 bool may_turn_sharply(const std::vector<AnyKernel>& kernels, std::uint32_t index);
 

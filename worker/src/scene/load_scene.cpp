@@ -266,7 +266,7 @@ std::shared_ptr<Scene> load_scene(const v1::CompiledScene& message, const FindBl
       emitter = load_emitter(luminaires, lights, geometry, loaded.groups, sensor);
       luminaires_around = luminaire_surroundings(bodies, loaded.groups, luminaires);
     }
-    auto specular_like = load_specular_like(message, kernels.size());
+    auto specular_like = load_specular_like(message, kernels);
     bool has_mirrors = std::ranges::find(specular_like, true) != specular_like.end();
     for (std::uint32_t i = 0; i < kernels.size(); ++i) {
       has_mirrors = has_mirrors || may_turn_sharply(kernels, i);
