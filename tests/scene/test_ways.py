@@ -319,7 +319,7 @@ def test_a_meter_may_be_met_by_photons_and_they_are_aimed(
     _, tracing = compiled(changed, blobs, LARGE)
     assert [chosen for chosen, _ in trace.asked] == [["direction", "aim"]]
     assert tracing.direction == scene_pb2.DIRECTION_FORWARD
-    assert tracing.aimed_emission == 0.9
+    assert tracing.aimed_emission == 0.6
     # Adjoint photons have no use for that.
     Asked(monkeypatch, forward=False)
     assert compiled(changed, blobs, LARGE)[1].aimed_emission == 0.0
@@ -354,7 +354,7 @@ def test_important_directions_may_be_left_to_photons_from_the_luminaires(
     assert chosen == ["direction", "ratio", "aim", "hint", "guide", "sharing"]
     assert (asked.weight_important, asked.weight_luminaires) == (0.175, 0.175)
     assert (tracing.weight_important, tracing.weight_luminaires) == (0.0, 0.35)
-    assert tracing.aimed_emission == 0.9
+    assert tracing.aimed_emission == 0.6
 
     Asked(monkeypatch, forward=True)
     assert compiled(declared, blobs, LARGE)[1].weight_important == 0.175
