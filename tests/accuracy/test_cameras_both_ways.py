@@ -11,8 +11,8 @@ import pytest
 
 from tests.accuracy.agreement import compare
 from tests.accuracy.cameras_both_ways import SCENES
-from tests.accuracy.meters import image_by
-from tests.accuracy.scenes import quad, sphere
+from tests.accuracy.meters import Measurement, check_equal, image_by
+from tests.accuracy.scenes import diffuse, measured_scene, quad, sphere, surface
 from tests.accuracy.tracing import Document, part_of
 from tests.system.images import Image
 
@@ -55,3 +55,29 @@ def test_both_directions_make_the_same_image(name: str, tmp_path: Path) -> None:
     """z of tiles and of the mean; false alarms: 0.013 for each scene."""
     adjoint = _trace(name, "adjoint", 1, tmp_path)
     compare(adjoint, _trace(name, "both", 2, tmp_path)).check_mean_and_tiles()
+
+
+@pytest.mark.parametrize("index", [{"n": 0.001, "k": 100.0}, "Ag"], ids=["ideal", "silver"])
+def test_what_a_mirror_throws_from_floor_to_floor_is_met(index: object, tmp_path: Path) -> None:
+    """Nothing in the scene is clear, so that only whether the way to the sky is free is asked. Between a
+    white floor and an ideal mirror even light stays even; what silver takes is found by photons from the
+    camera alone, too. False alarms: 0.01 for each.
+    """
+    sensor = {
+        "type": "pinhole",
+        "position": [0, 1.2, 1.8],
+        "look_at": [0, 0.1, 0],
+        "vertical_field_of_view_degrees": 30,
+    }
+    ball = surface(sphere([0, 0.35, 0], 0.3), {"type": "conductor", "index": index})
+    floor = surface(quad([-1, 0, -1], [0, 0, 2], [2, 0, 0]), diffuse(1.0))
+    document = measured_scene(sensor, [floor, ball]) | {"environment": {"radiance": 1.0}}
+    readings = {}
+    for direction in ("adjoint", "both"):
+        (tmp_path / direction).mkdir()
+        traced = document | {"tracing": {"direction": direction, "sharing": 1}}
+        readings[direction] = Measurement(traced, tmp_path / direction, 16, 16).by_seeds(1024)
+    if index != "Ag":
+        readings["both"].check(1.0)
+    else:
+        check_equal(readings["both"], readings["adjoint"])
