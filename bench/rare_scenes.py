@@ -124,3 +124,9 @@ def rare_scenes() -> dict[str, Document]:
             "surfaces": [floor, *_THINGS[thing], *lit.get("surfaces", [])],
         }
     return scenes
+
+
+def gatherers(scene: Document) -> list[Document]:
+    """Directions towards all that mirrors or refracts, lenses of lamps among them, for photons from lamps."""
+    found = [each for each in scene["surfaces"] if each["kernel"]["type"] != "lambertian"]
+    return [{"shape": each["shape"]} for each in found]

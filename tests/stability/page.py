@@ -89,10 +89,11 @@ _RARE = """
 ## Rare light
 
 Forty scenes of small bright lights and of things that gather their light
-([method](method.md#light-that-was-not-met)), each by the default alone: of an image's squares of 8 x 8
-pixels, how many hold the truth in their 95 % interval; "of 90 %" where the image names the others as not to
-be trusted. The truth is a longer image by photons from both directions, {samples:,} samples of each pixel.
-**Bold**: fewer than {aim:g} %. *Told*: the image says how much of its mean may be missing. Made by
+([method](method.md#light-that-was-not-met)), each by the default alone: of the squares of 8 x 8
+pixels of {images} images, how many hold the truth in their 95 % interval; "of 90 %" where the images name the
+others as not to be trusted. The truth is a longer image by photons from both directions, those from the
+luminaires aimed at all that gathers their light, {samples:,} samples of each pixel.
+**Bold**: fewer than {aim:g} %. *Told*: the images say how much of its mean may be missing. Made by
 `python -m bench rare_light`.
 
 | scene | {counts} |
@@ -106,6 +107,7 @@ def _rare_light(figures: dict[str, Any]) -> str:
     lines = [
         _RARE.format(
             samples=figures["truth_samples"],
+            images=figures.get("images", 1),
             aim=100 * AIM,
             counts=" | ".join(f"{count} samples" for count in counts),
             rules=" --- |" * len(counts),
