@@ -47,10 +47,10 @@ _TALL, _EDGE = 40.0, 64
 
 
 def _seen_in_a_mirror(
-    radius: float, radiance: float, kernel: Document, folder: Path
+    radius: float, radiance: float, kernel: Document, folder: Path, around: Document | None = None
 ) -> tuple[RenderWarning, ...]:
     """What is said of an image of a mirror 3 m in front of the camera, in which a lamp behind this shows."""
-    document = {
+    document: Document = {
         "nocturne": 1,
         "sensor": {
             "type": "pinhole",
@@ -65,6 +65,8 @@ def _seen_in_a_mirror(
             surface(sphere([0.9, 0.6, -3], radius), diffuse(0.0), radiance),
         ],
     }
+    document["surfaces"] += [{"shape": _AROUND} | around] if around else []
+    document["media"] = _MEDIA
     (folder / "scene.json").write_text(json.dumps(document))
     return compile_to(folder / "scene.json", folder, _EDGE, _EDGE, 16).warnings
 
@@ -77,6 +79,20 @@ def _named(said: tuple[RenderWarning, ...]) -> NDArray[np.bool_]:
     return named
 
 
+_LAMP_AT = (
+    int(0.5 * _EDGE * (1.0 - 0.6 / 7.0 / tan(radians(_TALL / 2.0)))),
+    int(0.5 * _EDGE * (1.0 - 0.9 / 7.0 / tan(radians(_TALL / 2.0)))),
+)
+"""Row and column: its image in the mirror is 7 m off, 0.9 m to a side and 0.6 m up."""
+
+MASK: Document = {"kernel": {"type": "mask", "kernel": diffuse(0.3), "opacity": 0.2}}
+HAZE: Document = {"interior": {"media": ["haze"]}}
+_MEDIA: Document = {"haze": {"scattering": 0.02}}
+"""What lets light through by chance."""
+_AROUND: Document = {"type": "box", "minimum": [-6, -6, -1], "maximum": [6, 6, 2]}
+"""The mirror alone."""
+
+
 PHONG: Document = {"type": "phong", "reflectance": 0.9}
 """With an exponent from 20 on it gathers, too, and nothing else in the scene need."""
 
@@ -86,10 +102,18 @@ def test_a_lamp_of_a_millimetre_in_a_mirror_is_named_where_it_shows(kernel: Docu
     """Its image is 7 m off, 0.9 m to a side and 0.6 m up: one photon of 8,000 of that pixel meets it."""
     said = _seen_in_a_mirror(5e-4, 1e7, kernel, tmp_path)
     named = _named(said)
-    half = tan(radians(_TALL / 2.0))
-    column, row = (0.5 * _EDGE * (1.0 + side / 7.0 / half) for side in (-0.9, -0.6))
-    assert named[int(row), int(column)], (said, column, row)
+    assert named[_LAMP_AT], said
     assert named.mean() < 0.3, said
+
+
+@pytest.mark.parametrize("around", [MASK, HAZE], ids=["mask", "haze"])
+def test_a_mirror_in_what_lets_light_through_by_chance_hides_no_lamp(
+    around: Document, tmp_path: Path
+) -> None:
+    """The edges of the box are close together, so that photons start on its faces themselves."""
+    named = _named(_seen_in_a_mirror(5e-4, 1e7, SILVER, tmp_path, around))
+    assert named[_LAMP_AT]
+    assert named.mean() < 0.3
 
 
 def test_nothing_is_named_where_a_lamp_is_met(tmp_path: Path) -> None:
@@ -101,7 +125,7 @@ def test_nothing_is_named_where_a_lamp_is_met(tmp_path: Path) -> None:
 
 def _thrown_to_a_floor(kernel: Document, folder: Path) -> CompiledFolder:
     """A mirror that leans over a floor, and a lamp of 2 mm, both of whose light comes to the camera."""
-    document = {
+    document: Document = {
         "nocturne": 1,
         "sensor": {
             "type": "pinhole",
@@ -154,3 +178,54 @@ def test_a_roughness_that_is_a_picture_gathers_where_it_is_smooth(
     assert named_of([smooth, smooth, rough, rough]).any()
     assert not named_of([rough]).any()
     assert not named_of([rough] * 4).any()
+
+
+def _mirrored_on_a_ball(
+    radius: float, eye: NDArray[np.float64], lamp: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Where a ball around the origin shows a lamp: the shortest way by its surface (Fermat)."""
+    best = (eye / np.linalg.norm(eye) + lamp / np.linalg.norm(lamp)) / 2.0
+    spread = 1.0
+    for _ in range(12):
+        tried = best + spread * np.random.default_rng(1).normal(size=(4096, 3))
+        tried *= radius / np.linalg.norm(tried, axis=1)[:, None]
+        ways = np.linalg.norm(tried - eye, axis=1) + np.linalg.norm(tried - lamp, axis=1)
+        best, spread = tried[ways.argmin()], spread / 3.0
+    return np.asarray(best)
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize(
+    ("samples", "around"), [(16, None), (256, None), (16, HAZE)], ids=["16", "256", "haze"]
+)
+def test_the_highlight_of_a_lamp_on_glass_is_named_whatever_the_random_numbers(
+    samples: int, around: Document | None, seed: int, tmp_path: Path
+) -> None:
+    """A ball in a quarter of the film mirrors 4 %, and shows the lamp far smaller than a pixel:
+    one photon of many millions finds it."""
+    eye, lamp = np.array([0.0, 0.0, -4.0]), np.array([1.0, 1.5, -3.0])
+    box = {"type": "box", "minimum": [-0.6, -0.6, -0.6], "maximum": [0.6, 0.6, 0.6]}
+    document = {
+        "nocturne": 1,
+        "sensor": {
+            "type": "pinhole",
+            "position": eye.tolist(),
+            "look_at": [0, 0, 0],
+            "up": [0, 1, 0],
+            "vertical_field_of_view_degrees": _TALL,
+        },
+        "environment": {"radiance": 0.05},
+        "tracing": {"seed": seed},
+        "surfaces": [
+            surface(sphere([0, 0, 0], 0.4), {"type": "dielectric", "index": 1.5}),
+            surface(sphere(lamp.tolist(), 5e-4), diffuse(0.0), 1e7),
+            *([{"shape": box} | around] if around else []),
+        ],
+        "media": _MEDIA,
+    }
+    (tmp_path / "scene.json").write_text(json.dumps(document))
+    said = compile_to(tmp_path / "scene.json", tmp_path, _EDGE, _EDGE, samples).warnings
+    x, y, z = _mirrored_on_a_ball(0.4, eye, lamp)
+    half = (z - eye[2]) * tan(radians(_TALL / 2.0))
+    row, column = (int(0.5 * _EDGE * (1.0 - along / half)) for along in (y, x))
+    assert _named(said)[row, column], (row, column, said)

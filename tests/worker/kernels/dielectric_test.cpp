@@ -31,6 +31,38 @@ TEST(Dielectric, SmoothRefractsBySnell) {
   EXPECT_GT(trapped->wi.z, 0.0f);
 }
 
+// By Fresnel's equations at 40 degrees, 4.6 % of the photons are mirrored by chance. Half of them
+// with less weight have the same mean; with the root of that, the mean square that those by chance
+// have.
+TEST(Dielectric, MirrorsHalfWithTheMeanOrTheMeanSquareOfChance) {
+  using Halves = KernelNumbers::Halves;
+  const auto kernel =
+      bound<4>(0.0f, 1.0f, test::lanes(1.5f, 1.6f, 1.5f, 1.7f), Transport::kForward);
+  const Vec3 wo = direction(40.0);
+  for (std::size_t lane : {0u, 1u, 3u}) {
+    const float ratio = kernel.ratio[lane];
+    const float mirrored = fresnel_dielectric<float>(wo.z, ratio);
+    for (const Halves halves : {Halves::kYes, Halves::kOfSquare}) {
+      const auto back = kernel.sample(wo, {0.49f, 0.0f, 0.0f, halves}, lane);
+      const auto in = kernel.sample(wo, {0.51f, 0.0f, 0.0f, halves}, lane);
+      ASSERT_TRUE(back && in && back->delta && in->delta);
+      EXPECT_GT(back->wi.z, 0.0f);
+      EXPECT_LT(in->wi.z, 0.0f);
+      const auto weight = [&](const Draw<4>& draw) {
+        const float factor = draw.factor[lane];
+        return 0.5f * (halves == Halves::kYes ? factor : factor * factor);
+      };
+      EXPECT_NEAR(weight(*back), mirrored, 1e-5f);
+      EXPECT_NEAR(weight(*in), 1.0f - mirrored, 1e-5f);
+    }
+  }
+  // What is reflected totally is not halved.
+  const auto inside = bound<1>(0.0f, 1.5f, 1.0f);
+  const auto total = inside.sample(direction(60.0), {0.9f, 0.0f, 0.0f, Halves::kYes}, 0);
+  EXPECT_GT(total->wi.z, 0.0f);
+  EXPECT_EQ(total->factor[0], 1.0f);
+}
+
 TEST(Dielectric, EqualIndicesAreInvisible) {
   for (const float alpha : {0.0f, 0.3f}) {
     const auto kernel = bound<4>(alpha, 1.37f, 1.37f);

@@ -144,9 +144,10 @@ TEST(Measured, PlanesMayWeighBasisSpectra) {
   EXPECT_NEAR(v[3], 0.1, 1e-6);
 }
 
-// Even light along the normal comes from a diffuse surface with the cosine, sin^2 of the angle up to
-// it, and is turned by twice the half vector's. A lobe of exp(-tan^2/a^2) / cos^4 has 1 - exp(-1)
-// within the slope a (Beckmann), and its light along the normal as good as that while it is narrow.
+// Even light along the normal comes from a diffuse surface with the cosine, sin^2 of the angle up
+// to it, and is turned by twice the half vector's. A lobe of exp(-tan^2/a^2) / cos^4 has 1 -
+// exp(-1) within the slope a (Beckmann), and its light along the normal as good as that while it is
+// narrow.
 TEST(Measured, TellsHowMuchStaysTogether) {
   test::MeasuredBlob blob;
   blob.f = [](double, double, double, std::uint32_t) { return 0.3; };

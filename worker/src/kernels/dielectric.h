@@ -51,6 +51,8 @@ struct BoundDielectric {
     const Vec3 h =
         delta ? Vec3{0.0f, 0.0f, 1.0f} : roughness.facets.sample_visible(wo, numbers.u, numbers.v);
     const float cosine = std::clamp(dot(wo, h), 0.0f, 1.0f);
+    if (delta && numbers.halves != KernelNumbers::Halves::kNo)
+      return half(wo, cosine, numbers, lead);
     if (numbers.part < reflectance(cosine, ratio[lead])) {
       const auto together =
           those([&](float r) { return !passes(r) && numbers.part < reflectance(cosine, r); });
@@ -70,6 +72,30 @@ struct BoundDielectric {
   bool transmits() const { return smooth(); }
 
  private:
+  /// Smooth, half of the photons mirrored; all where they are reflected totally.
+  std::optional<Draw<N>> half(Vec3 wo, float cosine, const KernelNumbers& numbers,
+                              std::size_t lead) const {
+    const auto total = [&](float r) { return reflectance(cosine, r) >= 1.0f; };
+    const Vec3 mirrored{-wo.x, -wo.y, wo.z};
+    if (total(ratio[lead])) {
+      return Draw<N>{.wi = mirrored, .delta = true, .together = those([&](float r) {
+                                                      return !passes(r) && total(r);
+                                                    })};
+    }
+    if (numbers.part < 0.5f) {
+      return Draw<N>{
+          .wi = mirrored,
+          .delta = true,
+          .factor = each([&](float r) { return numbers.halved(reflectance(cosine, r)); }, ratio),
+          .together = those([&](float r) { return !passes(r) && !total(r); })};
+    }
+    const auto together = those([&](float r) { return r == ratio[lead]; });
+    const Vec3 wi = refracted(wo, {0.0f, 0.0f, 1.0f}, cosine, ratio[lead]);
+    if (wi.z >= 0.0f) return Draw<N>::ended(together);
+    const float less = numbers.halved(1.0f - reflectance(cosine, ratio[lead]));
+    return Draw<N>{.wi = wi, .delta = true, .factor = less * scale, .together = together};
+  }
+
   /// Equal indices: no boundary. Of a rough one also where the indices are so close that single
   /// precision can't tell the facet from the two directions (less than 1e-10 is reflected there).
   bool passes(float r) const {

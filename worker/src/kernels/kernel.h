@@ -8,6 +8,7 @@
 // glass), which send photons along single directions.
 #pragma once
 
+#include <cmath>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -44,6 +45,15 @@ struct Shading {
 /// direction.
 struct KernelNumbers {
   float part, u, v;
+  /// For pilots that look for rare light: a smooth boundary mirrors half of what meets it, though
+  /// it mirrors little, and the weight is by so much less; kOfSquare: by the root of that, for
+  /// weights that are squared, as the mean square is that of photons which chance chose.
+  enum class Halves : std::uint8_t { kNo, kYes, kOfSquare } halves = Halves::kNo;
+
+  /// Factor of a weight where a part is drawn half of the times instead of with `probability`.
+  float halved(float probability) const {
+    return halves == Halves::kOfSquare ? std::sqrt(2.0f * probability) : 2.0f * probability;
+  }
 };
 
 template <int N>

@@ -28,6 +28,16 @@ class WidenedLamps {
 
   bool empty() const { return discs_.empty() && sky_.empty() && elements_.empty(); }
 
+  /// Of the dimmest of them, W m-2 sr-1 nm-1; infinite where there are none.
+  float least_radiance() const {
+    float least = std::numeric_limits<float>::infinity();
+    for (const auto* distant : {&discs_, &sky_}) {
+      for (const Distant& each : *distant) least = std::min(least, each.radiance);
+    }
+    for (const Element& each : elements_) least = std::min(least, each.radiance);
+    return least;
+  }
+
   /// Of the lamps that `reaches(hidden_from, direction, distance)`: whether they can be seen so far
   /// off, m, from the origin.
   struct Met {

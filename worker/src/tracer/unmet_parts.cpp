@@ -8,8 +8,11 @@
 namespace nocturne {
 namespace {
 
-/// Samples of a pilot's pixel in each image.
-constexpr std::uint32_t kSamples = 16;
+/// Samples of a pilot's pixel in each image; where lamps are widened up to so many times as many,
+/// so far as an image has no more than kEnough (milliseconds): on a ball of some pixels one photon
+/// of hundreds meets a widened lamp, and where none does it looks as if there were nothing.
+constexpr std::uint32_t kSamples = 16, kMoreTimes = 4;
+constexpr double kEnough = 50e3;
 /// Squares of so many pixels are read as one, whose error is told.
 constexpr double kSquare = 64.0;
 /// From so many finds on an error of a mean is what it says: of a Poisson number of 20 the usual
@@ -17,6 +20,8 @@ constexpr double kSquare = 64.0;
 constexpr double kFinds = 20.0;
 /// What the error of a square lacks and is not told, in parts of what is seen there.
 constexpr double kSmall = 0.02;
+/// Part of a lamp's mean radiance that it has at any wavelength that counts.
+constexpr float kDimWavelengths = 0.1f;
 /// What is seen in the dark beside bright parts counts as so much of the image's mean.
 constexpr double kDark = 0.1;
 /// Standard errors above what was met: so much light there is at most.
@@ -81,14 +86,19 @@ std::vector<UnmetPart> find_unmet_parts(Scene& scene, Trials& trials, const Phot
   if (scene.widened_lamps.empty()) return parts;
   const TracingOptions before = scene.options;
   const Film small = trials.reduced(budget / (2 * Trials::kImages * kSamples));
-  const auto light = [&](TracingOptions::Gathered gathered) {
+  const auto light = [&](TracingOptions::Gathered gathered, std::uint32_t times = 1) {
     scene.options.gathered = gathered;
-    return means_of_pixels(trials.images(kind, small, whole(small, kSamples)));
+    return means_of_pixels(trials.images(kind, small, whole(small, times * kSamples)));
   };
+  const double enough = kEnough / (Trials::kImages * kSamples * pixels_of(small));
+  const auto times = static_cast<std::uint32_t>(std::clamp<double>(enough, 1.0, kMoreTimes));
   const auto seen = light(TracingOptions::Gathered::kWithAll);
-  scene.options.least_radiance = radiance;
-  const auto nearly = light(TracingOptions::Gathered::kNearlyMet);
-  const auto squares = light(TracingOptions::Gathered::kNearlyMetSquared);
+  // What is met must be these lamps' light: with few samples the even sky is brighter than
+  // `radiance`, is met surely, and is no sign of a lamp that isn't.
+  scene.options.least_radiance =
+      std::max(radiance, kDimWavelengths * scene.widened_lamps.least_radiance());
+  const auto nearly = light(TracingOptions::Gathered::kNearlyMet, times);
+  const auto squares = light(TracingOptions::Gathered::kNearlyMetSquared, times);
   const double of_square = kSquare * samples;
   std::vector<Chance> chances(nearly.size());
   for (std::size_t pixel = 0; pixel < nearly.size(); ++pixel) {
