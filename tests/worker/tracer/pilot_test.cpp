@@ -56,7 +56,8 @@ TEST(PilotFigures, TellMeansApartByHowTheyDiffer) {
 TEST(PilotOfRareLight, IsBroughtWhereOthersMissIt) {
   EXPECT_TRUE(must_be_brought({{2.0, 0.1}, {0.0, 0.0}}, 365.0));
   EXPECT_TRUE(must_be_brought({{2.0, 0.8}, {0.0, 0.0}}, 365.0));
-  EXPECT_FALSE(must_be_brought({{2.0, 1.2}, {0.0, 0.0}}, 365.0));
+  // However uncertain: what was found is there.
+  EXPECT_TRUE(must_be_brought({{2.0, 1.9}, {0.0, 0.0}}, 365.0));
   EXPECT_TRUE(must_be_brought({{2.0, 0.1}, {1.4, 0.2}}, 365.0));
   EXPECT_FALSE(must_be_brought({{2.0, 0.1}, {1.6, 0.2}}, 365.0));
   EXPECT_FALSE(must_be_brought({{2.0, 0.1}, {0.0, 0.0}}, 1e5));

@@ -36,9 +36,10 @@ bool is_certain(const RareLight& light) {
 
 bool must_be_brought(const RareLight& light, double mean) {
   const auto& [forward, adjoint] = light;
+  // Light that photons from a luminaire found is there, however few they were.
+  if (is_unseen(adjoint)) return forward.mean > kCounts * mean;
   const double more = forward.mean - adjoint.mean;
-  const bool differ =
-      is_unseen(adjoint) || more > kRareMissed * math::hypot(forward.error, adjoint.error);
+  const bool differ = more > kRareMissed * math::hypot(forward.error, adjoint.error);
   const bool less_certain = adjoint.error > kMuchLessCertain * forward.error;
   return is_certain(light) &&
          ((differ && more > kCounts * mean) || (less_certain && forward.mean > kCounts * mean));

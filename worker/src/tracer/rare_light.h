@@ -18,7 +18,8 @@ struct RareLight {
 };
 
 /// Whether forward photons bring so much of it that others did not meet, or met in much rarer
-/// finds: a part of the image's mean that counts.
+/// finds: a part of the image's mean that counts. Where the others met nothing at all any find is
+/// enough: both directions are right in any case, and their errors say how rare it is.
 bool must_be_brought(const RareLight& light, double mean);
 
 /// How much of it may be missing at most (two standard errors) where photons from the sensor bring
