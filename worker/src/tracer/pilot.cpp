@@ -15,8 +15,9 @@ namespace nocturne {
 namespace {
 
 /// Part of the render's rays that a pilot takes with what was learned from, and the most of them;
-/// and part of a small render's, up to what is a matter of a second.
-constexpr double kPart = 0.024, kMostRays = 12e6, kPartOfSmall = 0.2, kEnoughRays = 2e6;
+/// and part of a small render's, from what tells anything to what is a matter of a second.
+constexpr double kPart = 0.024, kMostRays = 12e6;
+constexpr double kPartOfSmall = 0.2, kLeastRays = 0.25e6, kEnoughRays = 2e6;
 /// Samples of a pixel in the first round, and in the last; each has four times as many as the one
 /// before. By few samples, those from the sensor had 2 to 50 times the error that they have in a
 /// render, where they fill all dimensions evenly, and those from luminaires 1 to 3 times.
@@ -62,7 +63,8 @@ class Pilot {
     const double rays = std::max(1.0, rays_of(probe) / (pixels_of(film) * kSamples));
     mean_ = means_of_images(probe)[0];
     const double all = rays * pixels_of(request_.film) * request_.samples;
-    const double part = std::max(kPart * all, std::min(kPartOfSmall * all, kEnoughRays));
+    const double of_small = std::clamp(kPartOfSmall * all, kLeastRays, kEnoughRays);
+    const double part = std::max(kPart * all, of_small);
     budget_ = std::max(0.0, std::min(part, kMostRays) / rays - request_.lessons);
   }
 

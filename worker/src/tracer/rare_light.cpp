@@ -41,8 +41,8 @@ bool must_be_brought(const RareLight& light, double mean) {
   const double more = forward.mean - adjoint.mean;
   const bool differ = more > kRareMissed * math::hypot(forward.error, adjoint.error);
   const bool less_certain = adjoint.error > kMuchLessCertain * forward.error;
-  return is_certain(light) &&
-         ((differ && more > kCounts * mean) || (less_certain && forward.mean > kCounts * mean));
+  return (differ && more > kCounts * mean) ||
+         (is_certain(light) && less_certain && forward.mean > kCounts * mean);
 }
 
 double may_be_missing(const RareLight& light, double mean) {
