@@ -1,4 +1,4 @@
-"""`python -m tests.crossings`: random scenes by methods that share little; see docs/how-to/crossings.md."""
+"""`python -m tests.crossings`: random scenes by methods that share little; see docs/how-to/tests.md."""
 
 import argparse
 import json

@@ -2,7 +2,7 @@
 
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from itertools import combinations
 from pathlib import Path
@@ -42,6 +42,17 @@ class Campaign:
         sound = [each for each in self.outcomes if each not in self.faults]
         return sum(each.held for each in sound) / max(1, sum(each.intervals for each in sound))
 
+    @property
+    def leans(self) -> dict[str, tuple[float, int]]:
+        """Of each method beside the first one: the sum over sound scenes, and how many these are."""
+        found = dict[str, tuple[float, int]]()
+        faults = self.faults
+        for outcome in self.outcomes:
+            for name, score in outcome.leans.items() if outcome not in faults else ():
+                total, count = found.get(name, (0.0, 0))
+                found[name] = (total + score, count + 1)
+        return found
+
     def summary(self) -> str:
         """In a few lines."""
         methods = Counter(name for each in self.outcomes for name in each.methods)
@@ -53,11 +64,18 @@ class Campaign:
             f"{len(self.outcomes)} scenes: {len(self.faults)} faults; {again} were looked at again",
             "traced by " + ", ".join(f"{name} {count}" for name, count in methods.items()),
             f"{self.coverage:.2%} of {intervals} stated 95 % intervals hold the truth",
+            told_leans(self.leans),
             f"{len(kinds)} types of things; {len(self.pairs)} of {possible} pairs of them met, "
             f"{sum(count >= 5 for count in self.pairs.values())} in five scenes or more",
             f"{sum(each.cpu_s for each in self.outcomes):.0f} CPU s of tracing",
         ]
         return "\n".join(lines)
+
+
+def told_leans(leans: Mapping[str, tuple[float, int]]) -> str:
+    """Standard normal each, if all methods meet the same light equally often."""
+    scores = ", ".join(f"{name} {total / count**0.5:+.1f}" for name, (total, count) in leans.items())
+    return f"means of all scenes together, beside plain: {scores}"
 
 
 def told(outcome: Outcome) -> str:

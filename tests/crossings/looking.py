@@ -9,7 +9,7 @@ from nocturne_scene.document.read import check_document
 
 from tests.accuracy.tracing import Document
 from tests.crossings.features import features_of
-from tests.crossings.judging import Difference, agree, differences, held
+from tests.crossings.judging import Difference, agree, differences, held, leans
 from tests.crossings.methods import Readings, Refused, methods_of, traced
 from tests.crossings.program import Failed
 from tests.crossings.scenes import Scene
@@ -47,6 +47,8 @@ class Outcome:
     """Intervals that hold the truth, of `intervals`."""
     intervals: int = 0
     cpu_s: float = 0.0
+    leans: Mapping[str, float] = field(default_factory=dict)
+    """Of methods beside the first one, as judging.leans has it."""
 
 
 def look(scene: Scene, folder: Path, samples: int = SAMPLES, without: Collection[str] = ()) -> Outcome:
@@ -63,7 +65,8 @@ def look(scene: Scene, folder: Path, samples: int = SAMPLES, without: Collection
             broken[name] = _said(error)
     inside, intervals = held(found)
     outcome = Outcome(scene, 1.0, None, broken, refused, tuple(found), 1, inside, intervals)
-    outcome = replace(outcome, cpu_s=sum(each.cpu_s for each in found.values()))
+    cpu_s = sum(each.cpu_s for each in found.values())
+    outcome = replace(outcome, cpu_s=cpu_s, leans=leans(found) if len(found) > 1 else {})
     if agree(found) >= _SUSPICIOUS:
         return outcome
     return _again(outcome, documents, found, folder, samples)

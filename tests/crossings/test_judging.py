@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tests.crossings.judging import agree, differences, held, holm
+from tests.crossings.judging import agree, differences, held, holm, leans
 from tests.crossings.methods import Readings
 
 _SEEDS, _REGIONS, _NAMES = 8, 5, ("X", "Y", "Z")
@@ -30,6 +30,18 @@ def test_a_bias_of_five_percent_is_found() -> None:
     (found,) = differences({"a": _readings(random, 1.0, 0.01), "b": _readings(random, 1.05, 0.01)})
     assert found.surely < 1e-4
     assert found.ratio == pytest.approx(1.05, abs=0.02)
+
+
+@pytest.mark.parametrize(("bias", "least", "most"), [(0.0, -3.3, 3.3), (-0.02, -12.0, -4.0)])
+def test_a_bias_too_small_for_a_scene_adds_up_over_many(bias: float, least: float, most: float) -> None:
+    """Of 400 scenes in which two means of 8 images have a standard error of 0.05 together: 0.4 of it is a
+    lean of -8 over all. False alarms: 0.001, and 0.0001 that it is missed."""
+    random = np.random.default_rng(4)
+    found = [
+        leans({"a": _readings(random, 1.0, 0.1), "b": _readings(random, 1.0 + bias, 0.1)})["b"]
+        for _ in range(400)
+    ]
+    assert least < sum(found) / 20.0 < most
 
 
 def test_what_stated_errors_explain_is_no_fault() -> None:

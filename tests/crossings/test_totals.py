@@ -7,7 +7,7 @@ import pytest
 
 from tests.crossings.totals import Overlap, Run, read, summary, write
 
-RUN = Run(29, 0, 1000, 32, 940, 1000, 9, {}, {}, 700.0)
+RUN = Run(29, 0, 1000, 32, 940, 1000, 9, {}, {}, 700.0, {"other": (-30.0, 100)})
 
 
 def test_runs_add_up(tmp_path: Path) -> None:
@@ -19,6 +19,8 @@ def test_runs_add_up(tmp_path: Path) -> None:
     assert "2 runs, 2000 scenes: 1 faults, seed 1007; " in told
     assert "95.00% of 2000 stated" in told
     assert "1400 CPU s" in told
+    # -60 of 200 scenes: 4.2 standard deviations of a sum of so many.
+    assert "beside plain: other -4.2" in told
 
 
 def test_what_is_a_fault_alone_may_be_chance_among_many() -> None:
