@@ -72,7 +72,7 @@ def test_wheels_share_no_file_and_have_all_that_is_ours(wheels: dict[str, Path])
         if path.suffix in (".py", ".toml", ".bin", ".typed")
     }
     # Contracts without calls have no code of gRPC.
-    unused = {f"nocturne/v1/{name}_pb2_grpc.py" for name in ("job", "scene")}
+    unused = {f"nocturne/v1/{name}_pb2_grpc.py" for name in ("job", "scene", "warning")}
     assert sources - together == unused
     assert "nocturne_api/page/index.html" in contents["service"]
 
