@@ -142,8 +142,11 @@ TEST(PilotOfMethods, DistrustsWhatFewPixelsSay) {
 }
 
 // Light that photons from the sensor met in none of the pilot's samples costs less than finding it.
-TEST(PilotOfMethods, TakesBothEndsUnlessOneIsMuchBetter) {
-  EXPECT_EQ(best({{kAlone, {10, 1}}, {kRest, {9, 1}}, {kForward, {1, 0.05}}}), kBoth);
+TEST(PilotOfMethods, TakesBothEndsUnlessOneIsSurelyBetter) {
+  EXPECT_EQ(best({{kAlone, {10, 1}}, {kRest, {9, 0.96}}, {kForward, {1, 0.05}}}), kBoth);
+  EXPECT_LE(
+      figures({{kAlone, {10, 1, true}}, {kRest, {9, 1}}, {kForward, {1, 0.05}}}).front().handicap,
+      kWorthIt);
   EXPECT_EQ(best({{kAlone, {10, 1}}, {kRest, {9, 2}}, {kForward, {1, 1}}}), kPlain);
 }
 

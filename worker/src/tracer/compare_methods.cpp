@@ -17,6 +17,8 @@ constexpr double kForwardCost = 1.5, kGuideCost = 1.1;
 /// Standard errors of the logarithm of an error by which it may be told too small: with 0.2 to 1 of
 /// them pilots chose as well (docs/decisions/0130).
 constexpr double kCaution = 0.5;
+/// Standard errors by which photons from the sensor alone must be better than those from both ends.
+constexpr double kSurely = 3.0;
 /// Ratios of forward photons that may be chosen, the part of the time that each kind keeps at
 /// least, and how many times better another ratio than 1 must be: that keeps small films in one
 /// piece.
@@ -32,6 +34,22 @@ template <class F>
 void for_each_kind(const PilotMethod& method, const F& f) {
   if (method.sensor) f(*method.sensor);
   if (method.luminaires) f(*method.luminaires);
+}
+
+/// Photons from the sensor alone look better than they are where they met too little of what is
+/// rare.
+void prefer_both_ends(std::vector<MethodFigures>& methods) {
+  const MethodFigures& best = *std::ranges::min_element(methods, {}, [](const auto& each) {
+    const bool from_both = each.comparable() && each.method.luminaires;
+    return from_both ? each.merit() : std::numeric_limits<double>::infinity();
+  });
+  if (!best.comparable() || !best.method.luminaires) return;
+  const GroupErrors errors = best.errors_of_groups();
+  for (MethodFigures& each : methods) {
+    if (each.method.luminaires) continue;
+    const double error = error_of_log_ratio(each.errors_of_groups(), errors);
+    each.handicap = std::min(kWorthIt, math::exp(kSurely * error));
+  }
 }
 
 /// All that a method brings, of each image that all its kinds have.
@@ -145,21 +163,19 @@ std::vector<MethodFigures> figures_of_methods(const std::vector<PilotMethod>& me
     }
   }
   if (std::ranges::none_of(found, &MethodFigures::comparable)) return found;
-  const bool from_both_ends = std::ranges::any_of(
-      found, [](const MethodFigures& each) { return each.comparable() && each.method.luminaires; });
   const std::vector<double> shown = shown_by(found, images);
   for (MethodFigures& each : found) {
     const auto figures = [&](const PhotonKind& kind) {
       return figures_of(kind, images(kind), shown, cost_of_ray(kind));
     };
     const auto& [sensor, luminaires] = each.method;
-    if (!luminaires && from_both_ends) each.handicap = kWorthIt;
     if (sensor) each.sensor = figures(*sensor);
     if (luminaires) each.luminaires = figures(*luminaires);
     if (sensor && luminaires) {
       each.ratio = given_ratio ? *given_ratio : best_forward_ratio(each.sensor, each.luminaires);
     }
   }
+  prefer_both_ends(found);
   return found;
 }
 

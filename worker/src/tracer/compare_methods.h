@@ -25,7 +25,7 @@ struct MethodFigures {
   bool uncertain = false;
   /// Another method found more light, beyond the errors of both.
   bool misses_light = false;
-  /// Its merit is that many times worse: kWorthIt, or 1.
+  /// Its merit is that many times worse, up to kWorthIt.
   double handicap = 1.0;
 
   /// Relative MSE, and what groups of pixels have of it; rays; for each photon from the sensor.
@@ -39,8 +39,8 @@ struct MethodFigures {
   bool comparable() const { return !uncertain && !misses_light; }
 };
 
-/// Sharing must be so many times better than each pixel alone, and photons from the sensor alone so
-/// many times better than those from both ends, which find what is rare.
+/// Sharing must be so many times better than each pixel alone; and photons from the sensor alone
+/// than those from both ends, which find what is rare, unless they are surely better.
 constexpr double kWorthIt = 1.25;
 /// A mean that is less than so many standard errors is not certain.
 constexpr double kCertain = 3.0;
