@@ -24,7 +24,7 @@ constexpr double kPartOfSmall = 0.2, kLeastRays = 0.25e6, kEnoughRays = 2e6;
 constexpr std::uint32_t kSamples = 16, kMostSamples = 256, kMoreSamples = 4;
 /// Of all rounds, where half the methods go on after each: that of the first times this, about.
 constexpr double kRounds = 10.0;
-/// Part of that for sharing.
+/// Part of its samples with which a pilot tries sharing.
 constexpr double kForSharing = 1.0 / 3;
 
 class Pilot {

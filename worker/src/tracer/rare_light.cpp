@@ -21,9 +21,6 @@ constexpr double kSeen = 2.0;
 /// And so many standard errors show that these miss light; where chance alone says so, both
 /// directions are right as well.
 constexpr double kRareMissed = 2.5;
-/// Standard errors by which two means differ so far that it is told; and those above what was met
-/// up to which there may be more.
-constexpr double kStandardErrors = 2.0;
 
 bool is_unseen(const MeanLight& light) { return light.mean == 0.0 && light.error == 0.0; }
 

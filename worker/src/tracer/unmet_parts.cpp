@@ -24,8 +24,6 @@ constexpr double kSmall = 0.02;
 constexpr float kDimWavelengths = 0.1f;
 /// What is seen in the dark beside bright parts counts as so much of the image's mean.
 constexpr double kDark = 0.1;
-/// Standard errors above what was met: so much light there is at most.
-constexpr double kStandardErrors = 2.0;
 
 std::vector<MeanLight> means_of_pixels(const PilotImages& images) {
   std::vector<MeanLight> means;
