@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from nocturne.v1 import scene_pb2
 from nocturne_scene.blobs import BlobStore
+from nocturne_scene.compile import spectra
 from nocturne_scene.compile.compiler import compile_scene
 from nocturne_scene.document.read import check_document
 from nocturne_scene.errors import InputError
 from nocturne_scene.media import presets as media_presets
 from nocturne_scene.media import rayleigh
-from nocturne_scene.spectra import tables as spectra
 from nocturne_scene.spectra.published import _colour
 
 from tests.scene.conftest import Compile, Document

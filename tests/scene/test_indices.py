@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from nocturne_scene.compile import spectra
 from nocturne_scene.spectra import indices
-from nocturne_scene.spectra import tables as spectra
 
 F, D, C = 486.1327, 587.5618, 656.2725
 

@@ -7,11 +7,11 @@ import numpy as np
 import pytest
 from nocturne.v1 import scene_pb2
 from nocturne_scene.blobs import BlobStore
+from nocturne_scene.compile import spectra
 from nocturne_scene.compile.compiler import compile_scene
 from nocturne_scene.document.read import check_document, parse_document
 from nocturne_scene.errors import InputError
 from nocturne_scene.spectra import indices
-from nocturne_scene.spectra import tables as spectra
 
 from .conftest import Compile
 

@@ -13,12 +13,12 @@ import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
 from nocturne.v1 import scene_pb2
 from nocturne_scene.blobs import BlobStore
+from nocturne_scene.compile import spectra
 from nocturne_scene.compile.compiler import compile_scene
 from nocturne_scene.document.read import parse_document
 from nocturne_scene.errors import InputError
 from nocturne_scene.photometry import ies as photometric_files
 from nocturne_scene.spectra import sun
-from nocturne_scene.spectra import tables as spectra
 from nocturne_scene.spectra.published import visible_wavelengths
 from nocturne_scene.textures import environment_maps
 

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from nocturne.v1 import scene_pb2
 from nocturne_scene.blobs import BlobStore
+from nocturne_scene.compile import spectra
 from nocturne_scene.compile.compiler import compile_scene
 from nocturne_scene.document.read import check_document
 from nocturne_scene.document.spectra import LineSpectrum
 from nocturne_scene.spectra import lines as line_spectra
 from nocturne_scene.spectra import published
-from nocturne_scene.spectra import tables as spectra
 from numpy.typing import NDArray
 
 from tests.scene.conftest import Compile, Document

@@ -8,10 +8,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from nocturne.v1 import scene_pb2
 from nocturne_scene.blobs import BlobStore
+from nocturne_scene.compile import spectra
 from nocturne_scene.compile.compiler import compile_scene
 from nocturne_scene.compile.tracing import NO_LIMIT
 from nocturne_scene.document.read import check_document
-from nocturne_scene.spectra import tables as spectra
 from nocturne_scene.spectra.published import visible_wavelengths
 
 from tests.scene.conftest import Compile, Document

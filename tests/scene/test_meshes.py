@@ -8,10 +8,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from nocturne_scene.compile.placement import IDENTITY, Similarity
 from nocturne_scene.document.fields import MeshFormat
 from nocturne_scene.meshes.files import load_mesh
 from nocturne_scene.meshes.headers import UnusableMeshError
+from nocturne_scene.meshes.similarity import IDENTITY, Similarity
 from nocturne_scene.meshes.triangles import BadVertexError, Triangles, pack_mesh
 
 AS_IT_IS = [IDENTITY]

@@ -7,9 +7,8 @@ from typing import Any
 import numpy as np
 import platformdirs
 import pytest
-from nocturne_scene.document import bounds
+from nocturne_scene.compile import spectra
 from nocturne_scene.media import mie
-from nocturne_scene.spectra import tables as spectra
 from nocturne_scene.spectra.published import Floats
 
 from tests.scene.conftest import Compile, Document
@@ -75,7 +74,7 @@ def test_spheres_have_their_published_efficiency(
     index: float, size: float, efficiency: float, cosine: float
 ) -> None:
     """Up to the largest droplets that are accepted."""
-    assert size <= bounds.DROPLET_SIZE
+    assert size <= mie.LARGEST_SIZE
     assert efficiency_and_mean_cosine(index, size) == pytest.approx((efficiency, cosine), abs=1e-6)
 
 
@@ -109,7 +108,7 @@ def intensity(index: float, sizes: Floats, cosines: Floats) -> Floats:
     return np.asarray(0.5 * (np.abs(s1) ** 2 + np.abs(s2) ** 2))
 
 
-@pytest.mark.parametrize("size", [50.0, 333.0, bounds.DROPLET_SIZE])
+@pytest.mark.parametrize("size", [50.0, 333.0, mie.LARGEST_SIZE])
 def test_soft_spheres_take_light_by_the_phase_they_delay(size: float) -> None:
     """H. C. van de Hulst 1957, section 11.22: anomalous diffraction, exact as the index goes to 1."""
     index = 1.0003

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from nocturne_scene.compile import spectra
 from nocturne_scene.spectra import published, sun
-from nocturne_scene.spectra import tables as spectra
 from numpy.typing import NDArray
 
 Floats = NDArray[np.float64]

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 from nocturne_scene.blobs import BlobStore
+from nocturne_scene.compile import spectra
 from nocturne_scene.compile.compiler import compile_scene
 from nocturne_scene.document.read import parse_document
-from nocturne_scene.spectra import tables as spectra
 
 from .conftest import Compile
 

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from nocturne.v1 import scene_pb2
+from nocturne_scene.compile import spectra
 from nocturne_scene.document.spectra import (
     BlackbodySpectrum,
     ChartSpectrum,
@@ -17,7 +18,6 @@ from nocturne_scene.document.spectra import (
     TableSpectrum,
 )
 from nocturne_scene.spectra import rgb as rgb_spectra
-from nocturne_scene.spectra import tables as spectra
 
 
 def chromaticity(message: scene_pb2.Spectrum) -> tuple[float, float]:

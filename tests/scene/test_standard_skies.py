@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from nocturne.v1 import scene_pb2
 from nocturne_scene.blobs import BlobStore
+from nocturne_scene.compile import spectra
 from nocturne_scene.spectra import rgb as rgb_spectra
-from nocturne_scene.spectra import tables as spectra
 from nocturne_scene.spectra.published import visible_wavelengths
 from nocturne_scene.textures import standard_skies
 

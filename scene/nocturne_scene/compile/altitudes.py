@@ -4,9 +4,9 @@ import numpy as np
 from nocturne.v1 import scene_pb2
 from numpy.typing import NDArray
 
-from nocturne_scene.compile.placement import Similarity
 from nocturne_scene.compile.sensors import unit, vector
 from nocturne_scene.document.media import AbovePlane, AboveSphere
+from nocturne_scene.meshes.similarity import Similarity
 
 
 def above(ground: AbovePlane | AboveSphere, frame: Similarity) -> scene_pb2.AltitudeDensity:

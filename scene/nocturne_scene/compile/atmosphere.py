@@ -9,6 +9,7 @@ import numpy as np
 from nocturne.v1 import scene_pb2
 from numpy.typing import NDArray
 
+from nocturne_scene.compile import spectra
 from nocturne_scene.compile.altitudes import above_sphere
 from nocturne_scene.compile.kernel_leaves import null_kernel
 from nocturne_scene.compile.media import Media, Substance
@@ -19,7 +20,6 @@ from nocturne_scene.document.atmosphere import Atmosphere
 from nocturne_scene.document.problems import path
 from nocturne_scene.media import presets as media_presets
 from nocturne_scene.media import rayleigh
-from nocturne_scene.spectra import tables as spectra
 from nocturne_scene.spectra.published import visible_wavelengths
 
 # nm, at which an aerosol's optical depth is given.

@@ -8,11 +8,11 @@ import numpy as np
 from nocturne.v1 import scene_pb2
 
 from nocturne_scene.blobs import NoteKey
+from nocturne_scene.compile import spectra
 from nocturne_scene.compile.sensors import unit, vector
 from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document.luminaires import EnvironmentMap, StandardSky
 from nocturne_scene.spectra import rgb as rgb_spectra
-from nocturne_scene.spectra import tables as spectra
 from nocturne_scene.textures import environment_maps, pictures, standard_skies
 
 _SKY_ROWS, _SKY_COLUMNS = 256, 512

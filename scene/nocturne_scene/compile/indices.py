@@ -1,5 +1,6 @@
 """Indices of refraction of a scene document as indices of compiled spectra."""
 
+from nocturne_scene.compile import spectra
 from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document.indices import (
     CauchyIndex,
@@ -9,7 +10,6 @@ from nocturne_scene.document.indices import (
     TableIndex,
 )
 from nocturne_scene.spectra import indices
-from nocturne_scene.spectra import tables as spectra
 
 AnyIndex = str | float | SellmeierIndex | CauchyIndex | TableIndex
 

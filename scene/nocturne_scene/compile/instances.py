@@ -6,7 +6,7 @@ from functools import lru_cache
 import numpy as np
 from nocturne.v1 import scene_pb2
 
-from nocturne_scene.compile.placement import Similarity, placements_of
+from nocturne_scene.compile.placement import placements_of
 from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document import bounds
 from nocturne_scene.document.problems import path
@@ -14,6 +14,7 @@ from nocturne_scene.document.surfaces import Instance, Surface
 from nocturne_scene.errors import Problem
 from nocturne_scene.meshes.headers import UnusableMeshError
 from nocturne_scene.meshes.placements import Numbers, Placements
+from nocturne_scene.meshes.similarity import Similarity
 
 _Steps = list[Similarity]
 # Placements of a file that are flattened together.

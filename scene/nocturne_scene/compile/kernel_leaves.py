@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from nocturne.v1 import scene_pb2
 
+from nocturne_scene.compile import spectra
 from nocturne_scene.compile.indices import AnyIndex, compile_complex, compile_index
 from nocturne_scene.compile.measured import compile_measured
 from nocturne_scene.compile.textures import Textures
@@ -24,7 +25,6 @@ from nocturne_scene.document.kernels import (
     ThinPane,
 )
 from nocturne_scene.spectra import indices
-from nocturne_scene.spectra import tables as spectra
 from nocturne_scene.spectra.published import visible_wavelengths
 
 # Spectra are float32: what is written as 0.7 and 0.3 adds up to a little more than 1.

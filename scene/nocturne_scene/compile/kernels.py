@@ -5,13 +5,13 @@ from typing import Literal
 
 from nocturne.v1 import scene_pb2
 
+from nocturne_scene.compile import spectra
 from nocturne_scene.compile.kernel_leaves import Leaves, null_kernel
 from nocturne_scene.compile.textures import Textures
 from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document import bounds
 from nocturne_scene.document.kernels import Blend, Kernel, Mask, TwoSided
 from nocturne_scene.document.problems import path
-from nocturne_scene.spectra import tables as spectra
 
 Side = Literal["front", "back"]
 

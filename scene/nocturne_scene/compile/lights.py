@@ -6,6 +6,7 @@ from collections.abc import Callable
 import numpy as np
 from nocturne.v1 import scene_pb2
 
+from nocturne_scene.compile import spectra
 from nocturne_scene.compile.environment import compile_map, compile_sky
 from nocturne_scene.compile.photometry import compile_profile, flux_behind
 from nocturne_scene.compile.placement import placement_of
@@ -29,7 +30,6 @@ from nocturne_scene.document.spectrum_checks import Reference
 from nocturne_scene.document.surfaces import Surface
 from nocturne_scene.document.textures import ColourTexture
 from nocturne_scene.spectra import published, sun
-from nocturne_scene.spectra import tables as spectra
 
 _LOST = 1e-3
 """Part of a photometric file's light that may go to the back of a lamp without being told."""

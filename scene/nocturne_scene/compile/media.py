@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from nocturne.v1 import scene_pb2
 
+from nocturne_scene.compile import spectra
 from nocturne_scene.compile.altitudes import above
 from nocturne_scene.compile.grids import Grids
 from nocturne_scene.compile.indices import compile_index
@@ -31,7 +32,6 @@ from nocturne_scene.document.problems import path
 from nocturne_scene.media import mie, rayleigh
 from nocturne_scene.media import presets as media_presets
 from nocturne_scene.spectra import indices
-from nocturne_scene.spectra import tables as spectra
 from nocturne_scene.spectra.published import visible_wavelengths
 
 

@@ -9,11 +9,12 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from nocturne_scene.compile.placement import IDENTITY, Similarity, placement_of
+from nocturne_scene.compile.placement import placement_of
 from nocturne_scene.compile.shapes import Shapes
 from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document.shapes import MediumBox, Sphere
 from nocturne_scene.meshes.headers import UnusableMeshError
+from nocturne_scene.meshes.similarity import IDENTITY, Similarity
 
 _STEP = 1024.0
 """m, the grid of origins: cameras that stand side by side share their meshes' blobs, and most scenes have

@@ -8,7 +8,8 @@ from nocturne.v1 import scene_pb2
 from numpy.typing import NDArray
 
 from nocturne_scene.bands import band_name
-from nocturne_scene.compile.placement import Similarity, motion_steps
+from nocturne_scene.compile import spectra
+from nocturne_scene.compile.placement import motion_steps
 from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document.sensors import (
     Bands,
@@ -21,9 +22,9 @@ from nocturne_scene.document.sensors import (
     Sensor,
     ThinLens,
 )
+from nocturne_scene.meshes.similarity import Similarity
 from nocturne_scene.responses import LIGHT_PARTS
 from nocturne_scene.spectra import published
-from nocturne_scene.spectra import tables as spectra
 
 _Direction = NDArray[np.float64]
 _WAVELENGTHS = {

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from nocturne_scene.blobs import NoteKey
 from nocturne_scene.compile.grids import Grids
-from nocturne_scene.compile.placement import Similarity
 from nocturne_scene.compile.sensors import vector
 from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document import bounds
@@ -27,6 +26,7 @@ from nocturne_scene.document.shapes import (
     Sphere,
 )
 from nocturne_scene.meshes.headers import UnusableMeshError
+from nocturne_scene.meshes.similarity import Similarity
 from nocturne_scene.meshes.simple import box_mesh, disc_mesh, inline_mesh, quad_mesh
 from nocturne_scene.meshes.triangles import (
     BadVertexError,

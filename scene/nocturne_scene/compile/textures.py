@@ -8,6 +8,7 @@ import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 from nocturne.v1 import scene_pb2
 
 from nocturne_scene.blobs import NoteKey
+from nocturne_scene.compile import spectra
 from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document.spectrum_checks import Reference
 from nocturne_scene.document.textures import (
@@ -19,7 +20,6 @@ from nocturne_scene.document.textures import (
     TextureUse,
 )
 from nocturne_scene.spectra import rgb as rgb_spectra
-from nocturne_scene.spectra import tables as spectra
 from nocturne_scene.textures import image_files as image_textures
 from nocturne_scene.textures.pictures import UnusableImageError, opened
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nocturne_scene.blobs import NoteKey
+from nocturne_scene.compile import spectra
 from nocturne_scene.compile.bodies import Body, cross, open_edges, parts, winding
 from nocturne_scene.compile.coarse import coarse
 from nocturne_scene.compile.fine_textures import fine_textures
@@ -24,7 +25,6 @@ from nocturne_scene.document.surfaces import Surface
 from nocturne_scene.document.textures import ColourTexture
 from nocturne_scene.film import Film
 from nocturne_scene.meshes.headers import UnusableMeshError
-from nocturne_scene.spectra import tables as spectra
 
 _MAX_TRIANGLES = 300_000
 """Of a body that is looked at: a second's work. More come from scanners, which close them."""

@@ -11,7 +11,7 @@ from typing import Any, Generic, TypeVar
 from nocturne.v1 import scene_pb2
 
 from nocturne_scene.blobs import BlobStore, NoteKey
-from nocturne_scene.compile.placement import IDENTITY
+from nocturne_scene.compile import spectra
 from nocturne_scene.document import bounds
 from nocturne_scene.document.checks import resolve_spectrum
 from nocturne_scene.document.model import SceneDocument
@@ -22,9 +22,9 @@ from nocturne_scene.document.spectra import LineSpectrum, Spectrum
 from nocturne_scene.errors import InputError, NotFound, Problem
 from nocturne_scene.meshes.headers import UnusableMeshError
 from nocturne_scene.meshes.placements import Placements, count_placements, read_placements
+from nocturne_scene.meshes.similarity import IDENTITY
 from nocturne_scene.spectra import indices
 from nocturne_scene.spectra import lines as line_spectra
-from nocturne_scene.spectra import tables as spectra
 from nocturne_scene.spectra.published import FIRST, LAST
 
 _Message = TypeVar("_Message", scene_pb2.Spectrum, scene_pb2.Kernel, scene_pb2.Interior, scene_pb2.Texture)

@@ -138,9 +138,6 @@ DROPLETS = 1e26
 # Exponents of a distribution of droplets: beyond, all have one size.
 DROPLET_SHAPE = 100.0
 
-# Largest circumference of a droplet over the wavelength. Time grows with its square: seconds here.
-DROPLET_SIZE = 1000.0
-
 # Cosines of a tabulated phase function, and all of its values: as the tracer takes them.
 PHASE_COSINES = 100_000
 PHASE_VALUES = 10_000_000

@@ -17,7 +17,6 @@ import numpy as np
 import platformdirs
 from numpy.typing import NDArray
 
-from nocturne_scene.document import bounds
 from nocturne_scene.replacing import replacing
 from nocturne_scene.spectra.published import FIRST, LAST, Floats
 
@@ -25,6 +24,9 @@ Complexes = NDArray[np.complex128]
 
 # nm, 360 to 830.
 WAVELENGTHS = np.linspace(FIRST, LAST, 21)
+
+# Largest circumference of a droplet over the wavelength. Time grows with its square: seconds here.
+LARGEST_SIZE = 1000.0
 
 # Sizes of droplets. With twice as many the phase function of fog differs by 0.5 %, 2 % in the glory.
 _SIZES = 900
@@ -84,8 +86,8 @@ def scattering(distribution: Distribution, index: tuple[float, ...]) -> Scatteri
     """
     radii = _radii(distribution)
     largest = 2 * math.pi * radii[-1] / (FIRST * 1e-9)
-    if largest > bounds.DROPLET_SIZE:
-        limit = bounds.DROPLET_SIZE * FIRST * 1e-9 / (2 * math.pi)
+    if largest > LARGEST_SIZE:
+        limit = LARGEST_SIZE * FIRST * 1e-9 / (2 * math.pi)
         raise TooLargeError(
             f"the distribution reaches droplets of {radii[-1] * 1e6:.3g} micrometres; "
             f"expected a radius of at most {limit * 1e6:.3g}"

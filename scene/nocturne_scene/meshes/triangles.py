@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nocturne_scene import limits
-from nocturne_scene.compile.placement import Similarity
 from nocturne_scene.document import bounds
 from nocturne_scene.meshes.headers import UnusableMeshError, check_counts
+from nocturne_scene.meshes.similarity import Similarity
 
 _CHUNK = 2**20  # triangles handled at once, to bound memory for intermediate results
 

@@ -7,8 +7,9 @@ import numpy as np
 from pydantic import TypeAdapter
 from scipy.spatial.transform import Rotation
 
-from nocturne_scene.compile.placement import Similarity, motion_steps, placement_of
+from nocturne_scene.compile.placement import motion_steps, placement_of
 from nocturne_scene.document.placement import KeyedMotion, Motion, RigidMotion
+from nocturne_scene.meshes.similarity import Similarity
 from nocturne_scene.simplify.simplification import Document, Simplification, objects
 
 _MOTION: TypeAdapter[Any] = TypeAdapter(Motion)

@@ -1,1 +1,1 @@
-"""Spectra: what is published, and tables of wavelength for the tracer."""
+"""Published spectra, indices of refraction, spectral lines, and colours as spectra."""

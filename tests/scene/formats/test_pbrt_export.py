@@ -19,9 +19,8 @@ from nocturne_client.local.programs import CHECKOUT, need_program
 from nocturne_scene.compare.images import read_picture
 from nocturne_scene.film import Film
 from nocturne_scene.formats.import_scene import import_scene
-from nocturne_scene.formats.pbrt.read import squares
+from nocturne_scene.formats.pbrt import squares
 from nocturne_scene.formats.reading.options import ImportOptions
-from nocturne_scene.formats.writing import skies
 from nocturne_scene.spectra.published import observer, visible_wavelengths
 
 from tests.mitsuba.export_scenes import SCENES
@@ -226,7 +225,7 @@ def test_a_sky_keeps_its_light_and_comes_back() -> None:
     azimuth = np.pi * (1 - 2 * (np.arange(columns) + 0.5) / columns)
     smooth = 1 + np.sin(polar) * np.cos(azimuth - 0.5) / 2 + np.cos(polar) / 3
     texels = np.stack([smooth, smooth**2, np.ones_like(smooth)], axis=-1)
-    square = skies.equal_area_square(texels)
+    square = squares.equal_area_square(texels)
     assert square.mean(axis=(0, 1)) == pytest.approx(texels.mean(axis=(0, 1)), rel=1e-4)
     back = squares.latitudes(square.astype(np.float32))
     height, width = back.shape[:2]

@@ -4,10 +4,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from nocturne_scene.compile import spectra
 from nocturne_scene.formats.reading import colours
 from nocturne_scene.formats.reading.scene_writer import Json
 from nocturne_scene.spectra import indices
-from nocturne_scene.spectra import tables as spectra
 
 # What reflects all has no index.
 _MOST = 0.999

@@ -12,13 +12,13 @@ import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 from nocturne.v1 import scene_pb2
 
 from nocturne_scene.blobs import BlobStore
+from nocturne_scene.compile import spectra
 from nocturne_scene.compile.unseen import met_surfaces
 from nocturne_scene.document.model import SceneDocument
 from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.formats.writing.inside import crossings
 from nocturne_scene.formats.writing.tables import Array, Table, table_of
 from nocturne_scene.meshes.triangles import Triangles
-from nocturne_scene.spectra import tables as spectra
 
 
 @dataclass(frozen=True)

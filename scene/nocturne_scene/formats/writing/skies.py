@@ -1,18 +1,14 @@
 """Environment maps as other renderers have them."""
 
-import math
-
 import numpy as np
 
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.document.luminaires import EnvironmentMap
-from nocturne_scene.formats.pbrt.read import squares
 from nocturne_scene.formats.writing.tables import Array
 from nocturne_scene.textures.environment_maps import equal_area_rows, interpolated, read_whole
 
 # Pixels of the picture that is made: the more, the narrower are the seams between texels.
 _MAX_PIXELS = 2**22
-_MAX_SQUARE = 2048
 _FINEST = 16
 _PARTS = 8
 
@@ -24,24 +20,6 @@ def texels_of(environment: EnvironmentMap, blobs: BlobStore) -> Array:
     if environment.pixels == "points":
         rows, count, _ = interpolated(pixels)
     return np.stack(list(equal_area_rows(rows, count)))
-
-
-def equal_area_square(texels: Array) -> Array:
-    """The same texels as a finer square, each pixel the mean of what it shows of them."""
-    rows, columns = texels.shape[:2]
-    size = min(_MAX_SQUARE, 2 ** math.ceil(math.log2(4 * math.sqrt(rows * columns))))
-    across = (np.arange(_PARTS * size) + 0.5) / (_PARTS * size)
-    found = []
-    for row in across.reshape(size, _PARTS):
-        directions = squares.direction(*np.meshgrid(across, row))
-        azimuth = np.arctan2(directions[..., 1], directions[..., 0])
-        at = (
-            (rows * (1 - directions[..., 2]) / 2).astype(int),
-            (columns * (0.5 - azimuth / (2 * np.pi))).astype(int),
-        )
-        seen = texels[np.minimum(at[0], rows - 1), np.minimum(at[1], columns - 1)]
-        found.append(seen.reshape(_PARTS, size, _PARTS, 3).mean(axis=(0, 2)))
-    return np.stack(found)
 
 
 def latitudes_with_poles(texels: Array) -> Array:

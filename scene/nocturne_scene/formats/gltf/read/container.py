@@ -153,10 +153,11 @@ class Container:
         extension = meshopt.compressed(view)
         if extension is None:
             return self._part(view, place), self.count(view, "byteStride", place, 0)
+        count, stride = (self.count(extension, name, place) for name in ("count", "byteStride"))
         if index not in self._decompressed:
             content = bytes(self._part(extension, place))
-            self._decompressed[index] = meshopt.decompress(self, extension, content, place)
-        return memoryview(self._decompressed[index]), self.count(extension, "byteStride", place)
+            self._decompressed[index] = meshopt.decompress(extension, content, count, stride, self.at(place))
+        return memoryview(self._decompressed[index]), stride
 
     def _part(self, entry: Json, place: str) -> memoryview:
         """The bytes of a buffer that an entry names."""

@@ -1,19 +1,18 @@
 """Buffer views that are compressed by meshoptimizer (EXT_meshopt_compression, KHR_meshopt_compression)."""
 
-from typing import TYPE_CHECKING
+from typing import Any
 
 from nocturne_scene.errors import InputError
 from nocturne_scene.limits import MAX_ASSET_BYTES
 
-if TYPE_CHECKING:
-    from nocturne_scene.formats.gltf.read.container import Container, Json
+Json = Any
 
 NAMES = ("EXT_meshopt_compression", "KHR_meshopt_compression")
 _MODES = ("ATTRIBUTES", "TRIANGLES", "INDICES")
 _FILTERS = ("NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL", "COLOR")
 
 
-def compressed(view: "Json") -> "Json | None":
+def compressed(view: Json) -> Json | None:
     """What a buffer view says of its compressed form; None where it has none."""
     extensions = view.get("extensions")
     if not isinstance(extensions, dict):
@@ -21,13 +20,11 @@ def compressed(view: "Json") -> "Json | None":
     return next((extensions[name] for name in NAMES if isinstance(extensions.get(name), dict)), None)
 
 
-def decompress(container: "Container", extension: "Json", content: bytes, place: str) -> bytes:
-    """The rows of a buffer view, from its compressed form. Raises InputError."""
+def decompress(extension: Json, content: bytes, count: int, stride: int, shown: str) -> bytes:
+    """Return `count` rows of `stride` bytes of a buffer view that `shown` names. Raises InputError."""
     # Few files need it.
     import meshopt
 
-    shown = container.at(place)
-    count, stride = (container.count(extension, name, place) for name in ("count", "byteStride"))
     mode, filtered = extension.get("mode"), extension.get("filter", "NONE")
     if mode not in _MODES or filtered not in _FILTERS:
         raise InputError.at(shown, f"no compressed form {str(mode)[:20]} with filter {str(filtered)[:20]}")

@@ -7,7 +7,8 @@ import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 from numpy.typing import NDArray
 
 from nocturne_scene.errors import InputError
-from nocturne_scene.formats.pbrt.read import spectra, squares
+from nocturne_scene.formats.pbrt import squares
+from nocturne_scene.formats.pbrt.read import spectra
 from nocturne_scene.formats.pbrt.read.context import Context
 from nocturne_scene.formats.pbrt.read.parameters import Parameters
 from nocturne_scene.formats.reading import lamps, transforms

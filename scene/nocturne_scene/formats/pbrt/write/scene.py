@@ -7,6 +7,7 @@ from nocturne.v1 import scene_pb2
 
 from nocturne_scene.document.luminaires import EnvironmentMap, StandardSky
 from nocturne_scene.film import Film
+from nocturne_scene.formats.pbrt import squares
 from nocturne_scene.formats.pbrt.write.context import Context
 from nocturne_scene.formats.pbrt.write.directives import (
     directive,
@@ -110,7 +111,7 @@ def _sky(context: Context, frame: scene_pb2.EnvironmentMap) -> list[str]:
     environment = context.compiled.document.environment
     assert isinstance(environment, EnvironmentMap)  # noqa: S101 - it was compiled to a map
     texels: Array = skies.texels_of(environment, context.compiled.blobs)
-    name = context.writer.picture("sky", skies.equal_area_square(texels))
+    name = context.writer.picture("sky", squares.equal_area_square(texels))
     axes = [array(axis) for axis in (frame.x, frame.y, frame.z)]
     return [
         "AttributeBegin",

@@ -4,6 +4,7 @@ Journal of Graphics Tools 13(3), 2008. pbrt keeps skies as such pictures, and sh
 The middle of the square is +z and its corners are -z; +x and +y point along its rows and columns.
 """
 
+import math
 from itertools import pairwise
 
 import numpy as np
@@ -19,6 +20,10 @@ _PARTS = 4
 
 # Of a picture that is made: with twice as many columns, the most that an environment map has.
 _MAX_ROWS = 4096
+
+# Of a square that is made: the more pixels, the narrower are the seams between texels.
+_MAX_SQUARE = 2048
+_FINER_PARTS = 8
 
 
 def direction(u: Array, v: Array) -> Array:
@@ -86,4 +91,22 @@ def latitudes(pixels: NDArray[np.float32]) -> Array:
         at = (np.minimum((rows * each).astype(int), rows - 1) for each in (v, u))
         seen = pixels[tuple(at)].astype(np.float64)
         found.append(seen.reshape(_PARTS, 2 * count, _PARTS, 3).mean(axis=(0, 2)))
+    return np.stack(found)
+
+
+def equal_area_square(texels: Array) -> Array:
+    """The square of an environment map's texels, each pixel the mean of the texels that it shows."""
+    rows, columns = texels.shape[:2]
+    size = min(_MAX_SQUARE, 2 ** math.ceil(math.log2(4 * math.sqrt(rows * columns))))
+    across = (np.arange(_FINER_PARTS * size) + 0.5) / (_FINER_PARTS * size)
+    found = []
+    for row in across.reshape(size, _FINER_PARTS):
+        directions = direction(*np.meshgrid(across, row))
+        azimuth = np.arctan2(directions[..., 1], directions[..., 0])
+        at = (
+            (rows * (1 - directions[..., 2]) / 2).astype(int),
+            (columns * (0.5 - azimuth / (2 * np.pi))).astype(int),
+        )
+        seen = texels[np.minimum(at[0], rows - 1), np.minimum(at[1], columns - 1)]
+        found.append(seen.reshape(_FINER_PARTS, size, _FINER_PARTS, 3).mean(axis=(0, 2)))
     return np.stack(found)
