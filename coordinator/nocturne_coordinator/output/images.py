@@ -17,6 +17,7 @@ from nocturne_scene.bands import spectral_attributes
 from nocturne_scene.layers import NO_LAYERS, Layers
 from nocturne_scene.quantities import LUMINANCE, quantity_named
 from nocturne_scene.render_warnings import RenderWarning, header_lines
+from nocturne_scene.spectra.published import XYZ_TO_SRGB
 from nocturne_scene.tile_sums import (
     BLOCK,
     PAIR_FIRST,
@@ -33,15 +34,8 @@ from nocturne_scene.uncertainty import ImageMoments, moments_of
 from nocturne_coordinator.dispatch.error_estimate import Squares
 from nocturne_coordinator.dispatch.merge import Counts, Sums
 
-# IEC 61966-2-1: XYZ of white D65 to linear sRGB; transposed, for rows of pixels.
-_XYZ_TO_SRGB = np.array(
-    [
-        [3.2406, -1.5372, -0.4986],
-        [-0.9689, 1.8758, 0.0415],
-        [0.0557, -0.2040, 1.0570],
-    ],
-    dtype=np.float32,
-).T
+# For rows of pixels.
+_XYZ_TO_SRGB = XYZ_TO_SRGB.astype(np.float32).T
 
 # The primaries and the white of IEC 61966-2-1: x and y of red, green, blue, white.
 _SRGB_CHROMATICITIES = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from nocturne_scene.errors import InputError
 from nocturne_scene.library_words import said_by
 from nocturne_scene.picture_windows import in_window, windows_of
+from nocturne_scene.spectra.published import SRGB_TO_XYZ
 from nocturne_scene.tile_sums import (
     BLOCK,
     PAIR_FIRST,
@@ -24,9 +25,6 @@ from nocturne_scene.tile_sums import (
 from nocturne_scene.uncertainty import ImageMoments
 
 Values = NDArray[np.float64]
-
-# Linear sRGB to XYZ, IEC 61966-2-1; transposed, for rows of pixels.
-_RGB_TO_XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]]).T
 
 _TOGETHER = frozenset(
     (
@@ -89,7 +87,7 @@ def read_picture(file: Path, max_pixels: int = _MAX_PIXELS) -> Picture:
     pixels = np.stack([channels[name] for name in colour], axis=-1)
     if not np.all(np.isfinite(pixels)):
         raise InputError.at(str(file), "holds values that are not finite")
-    xyz = pixels @ _RGB_TO_XYZ if colour == "RGB" else pixels
+    xyz = pixels @ SRGB_TO_XYZ.T if colour == "RGB" else pixels
     read = Picture(xyz, channels.get("Y.stderr"), channels.get("n"))
     # Blocks of a part of an image are not where those of the whole were.
     whole = data == display and channels.keys() >= _TOGETHER

@@ -31,9 +31,6 @@ from nocturne_scene.spectra.published import FIRST, LAST, STEP, visible_waveleng
 # The observer of photometry: whose Y is luminance.
 STANDARD_OBSERVER = "CIE 1931 2 degree"
 
-# lm/W. CIE 018:2019: the luminous efficacy that makes Y the luminance in cd/m2.
-MAX_LUMINOUS_EFFICACY = 683.0
-
 # SI 2019, exact: J s, m/s, J/K.
 PLANCK = 6.62607015e-34
 LIGHT_SPEED = 299_792_458.0
@@ -59,7 +56,7 @@ def response(observer: str = STANDARD_OBSERVER) -> NDArray[np.float64]:
 
     Summed over wavelengths against spectral radiance in W m-2 sr-1 nm-1 they give XYZ with Y in cd/m2.
     """
-    return MAX_LUMINOUS_EFFICACY * published.observer(observer)
+    return published.MAX_LUMINOUS_EFFICACY * published.observer(observer)
 
 
 def planck(temperature: float, wavelengths: NDArray[np.float64]) -> NDArray[np.float64]:

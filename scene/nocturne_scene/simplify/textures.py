@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from nocturne_scene.library_words import said_by
 from nocturne_scene.simplify.simplification import Document, Find, Simplification, objects
+from nocturne_scene.spectra.published import SRGB_LUMINANCE
 from nocturne_scene.textures.image_files import MAX_EDGE, MAX_PIXELS, decoded
 from nocturne_scene.textures.pictures import UnusableImageError, check_size, opened
 
@@ -22,9 +23,6 @@ _SCALARS = (
     *("metallic", "specular", "coat", "coat_roughness", "sheen_roughness"),
 )
 _MAPS = ("normal_map", "bump_map")
-
-# Y of linear sRGB, IEC 61966-2-1.
-_LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
 def pictures(document: Document, find: Find) -> Iterator[Simplification]:
@@ -65,7 +63,7 @@ class _Texels(NamedTuple):
     @property
     def grey(self) -> Array:
         """Luminance, or the only channel; shape (height, width)."""
-        luminance: Array = self.values @ _LUMINANCE if self.values.shape[2] == 3 else self.values[..., 0]
+        luminance: Array = self.values @ SRGB_LUMINANCE if self.values.shape[2] == 3 else self.values[..., 0]
         return luminance
 
 
@@ -113,7 +111,7 @@ def _mean_environment(find: Find, document: Document) -> None:
         values = np.repeat(values, 3, axis=2)
     edges = np.cos(np.pi * np.arange(values.shape[0] + 1) / values.shape[0])
     mean = np.average(np.maximum(values, 0.0).mean(axis=1), axis=0, weights=-np.diff(edges))
-    luminance = environment.get("luminance", 1.0) * float(mean @ _LUMINANCE)
+    luminance = environment.get("luminance", 1.0) * float(mean @ SRGB_LUMINANCE)
     if luminance > 0:
         rgb = (mean / mean.max()).round(6).tolist()
         document["environment"] = {"radiance": {"rgb": rgb, "luminance": luminance}}

@@ -25,6 +25,15 @@ FIRST = 360.0
 LAST = 830.0
 STEP = 1.0
 
+# lm/W. CIE 018:2019: the luminous efficacy that makes Y the luminance in cd/m2.
+MAX_LUMINOUS_EFFICACY = 683.0
+
+# IEC 61966-2-1: the printed matrices between XYZ (Y of white = 1) and linear sRGB, and Y of red, green
+# and blue.
+XYZ_TO_SRGB = np.array([[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]])
+SRGB_TO_XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
+SRGB_LUMINANCE = (0.2126, 0.7152, 0.0722)
+
 # Name in documents, and in colour-science.
 OBSERVERS: Mapping[str, str] = {
     "CIE 1931 2 degree": "CIE 1931 2 Degree Standard Observer",

@@ -14,7 +14,14 @@ import numpy as np
 import numpy.typing as npt
 from numpy.typing import NDArray
 
-from nocturne_scene.spectra.published import Floats, data_bytes, illuminant, observer, visible_wavelengths
+from nocturne_scene.spectra.published import (
+    MAX_LUMINOUS_EFFICACY,
+    Floats,
+    data_bytes,
+    illuminant,
+    observer,
+    visible_wavelengths,
+)
 
 # Linear sRGB of XYZ (IEC 61966-2-1), from its primaries and the white that the tables of D65 and the observer
 # give, so that the reflectance 1 under D65 is exactly (1, 1, 1).
@@ -194,7 +201,7 @@ def d65_of_luminance(luminance: float) -> tuple[Floats, Floats]:
 
     With 1 cd/m2, RGB (1, 1, 1) has 1 cd/m2.
     """
-    y = 683.0 * (_d65() @ observer("CIE 1931 2 degree")[:, 1])
+    y = MAX_LUMINOUS_EFFICACY * (_d65() @ observer("CIE 1931 2 degree")[:, 1])
     return visible_wavelengths(), _d65() * (luminance / y)
 
 

@@ -5,9 +5,6 @@ import pytest
 from nocturne_scene.formats.reading import colours, metals
 from nocturne_scene.spectra import published
 
-# CIE XYZ to linear sRGB, IEC 61966-2-1.
-TO_SRGB = np.array([[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]])
-
 
 def seen(n: object, k: object) -> np.ndarray:
     """Linear sRGB of what is reflected at normal incidence under D65."""
@@ -17,7 +14,7 @@ def seen(n: object, k: object) -> np.ndarray:
     real, imaginary = (colours.values_of(each, visible) for each in (n, k))
     reflected = ((real - 1) ** 2 + imaginary**2) / ((real + 1) ** 2 + imaginary**2)
     xyz = (observer * (daylight * reflected)[:, None]).sum(axis=0) / (observer[:, 1] @ daylight)
-    return np.asarray(TO_SRGB @ xyz)
+    return np.asarray(published.XYZ_TO_SRGB @ xyz)
 
 
 @pytest.mark.parametrize(

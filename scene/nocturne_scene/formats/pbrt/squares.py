@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from nocturne_scene.formats.reading.colours import LUMINANCE
+from nocturne_scene.spectra.published import SRGB_LUMINANCE
 from nocturne_scene.textures.pictures import UnusableImageError
 
 Array = NDArray[np.float64]
@@ -66,7 +66,7 @@ def illuminance(pixels: NDArray[np.float32]) -> float:
     rows, columns = pixels.shape[:2]
     u, v = np.meshgrid((np.arange(columns) + 0.5) / columns, (np.arange(rows) + 0.5) / rows)
     cosine = np.maximum(direction(u, v)[..., 2], 0.0)
-    luminance = pixels.astype(np.float64) @ np.array(LUMINANCE)
+    luminance = pixels.astype(np.float64) @ np.array(SRGB_LUMINANCE)
     return float(2 * np.pi / (rows * columns) * np.sum(cosine * luminance))
 
 

@@ -14,6 +14,7 @@ from nocturne_scene.formats.reading.lamps import UNSEEN
 from nocturne_scene.formats.reading.scene_writer import Json, SceneWriter
 from nocturne_scene.photometry.ies import Photometry
 from nocturne_scene.photometry.ies import write as write_photometry
+from nocturne_scene.spectra.published import SRGB_LUMINANCE
 
 Array = NDArray[np.float64]
 
@@ -89,8 +90,7 @@ def _lights(*, grey: bool, flat: bool) -> list[tuple[Json, float]]:
     primaries = np.eye(3).tolist()
     if not flat:
         return [
-            (colours.light(colour, 1.0), part)
-            for colour, part in zip(primaries, colours.LUMINANCE, strict=True)
+            (colours.light(colour, 1.0), part) for colour, part in zip(primaries, SRGB_LUMINANCE, strict=True)
         ]
     found = []
     for colour in primaries:

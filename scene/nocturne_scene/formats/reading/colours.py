@@ -10,14 +10,9 @@ from numpy.typing import NDArray
 
 from nocturne_scene.spectra import published
 from nocturne_scene.spectra import rgb as rgb_spectra
+from nocturne_scene.spectra.published import MAX_LUMINOUS_EFFICACY, SRGB_LUMINANCE
 
 Json = Any
-
-# Y of linear sRGB, IEC 61966-2-1.
-LUMINANCE = (0.2126, 0.7152, 0.0722)
-
-# W m-2 sr-1 nm-1 of equal energy to cd/m2, by the observer of Y.
-_LUMENS_PER_WATT = 683.0
 
 
 @lru_cache(maxsize=1)
@@ -26,7 +21,7 @@ def luminance_of_d65() -> float:
     wavelengths, values = published.illuminant("D65")
     visible = published.visible_wavelengths()
     y_bar = published.observer("CIE 1931 2 degree")[:, 1]
-    return float(_LUMENS_PER_WATT * (np.interp(visible, wavelengths, values) @ y_bar))
+    return float(MAX_LUMINOUS_EFFICACY * (np.interp(visible, wavelengths, values) @ y_bar))
 
 
 def reflectance(rgb: Sequence[float]) -> Json:
@@ -40,7 +35,7 @@ def light(rgb: Sequence[float], white: float) -> Json:
     brightest = max(rgb)
     if not brightest > 0:
         return 0.0
-    luminance = white * math.fsum(part * value for part, value in zip(LUMINANCE, rgb, strict=True))
+    luminance = white * math.fsum(part * value for part, value in zip(SRGB_LUMINANCE, rgb, strict=True))
     return {"rgb": [float(value) / brightest for value in rgb], "luminance": luminance}
 
 
@@ -68,13 +63,13 @@ def luminance_of(spectrum: Json) -> float:
     """cd/m2 of a radiance (or cd of an intensity) as `light` and tables give it."""
     if isinstance(spectrum, int | float):
         y_bar = published.observer("CIE 1931 2 degree")[:, 1]
-        return float(_LUMENS_PER_WATT * spectrum * y_bar.sum())
+        return float(MAX_LUMINOUS_EFFICACY * spectrum * y_bar.sum())
     if "luminance" in spectrum:
         return float(spectrum["luminance"])
     knots = np.array(spectrum["table"])
     visible = published.visible_wavelengths()
     values = np.interp(visible, knots[:, 0], knots[:, 1], left=0.0, right=0.0)
-    return float(_LUMENS_PER_WATT * (values @ published.observer("CIE 1931 2 degree")[:, 1]))
+    return float(MAX_LUMINOUS_EFFICACY * (values @ published.observer("CIE 1931 2 degree")[:, 1]))
 
 
 def coefficient(rgb: Sequence[float]) -> Json:

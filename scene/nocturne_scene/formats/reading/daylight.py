@@ -44,7 +44,6 @@ _OZONE = (
 )
 _OZONE_CM = 0.35
 
-_XYZ_TO_RGB = np.array([[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]])
 # Of the Earth's radius in astronomical units, by which the Sun stands lower than from its middle.
 _PARALLAX = 6371.01 / 149597890
 _DAY = 86400.0
@@ -97,7 +96,7 @@ def sky(turbidity: float, sun_zenith: float, zenith: Array, gamma: Array) -> Arr
         found[name] = top[name] * _perez(at, cosine, np.cos(gamma), gamma) / over
     luminance, x, y = np.maximum(found["Y"], 0.0), found["x"], found["y"]
     xyz = np.stack([x / y * luminance, luminance, (1 - x - y) / y * luminance], axis=-1)
-    return np.asarray(np.maximum(xyz @ _XYZ_TO_RGB.T, 0.0))
+    return np.asarray(np.maximum(xyz @ published.XYZ_TO_SRGB.T, 0.0))
 
 
 def _perez(at: list[float], cosine: Array | float, cos_gamma: Array | float, gamma: Array | float) -> Array:

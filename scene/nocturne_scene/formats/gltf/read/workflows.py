@@ -8,6 +8,7 @@ from nocturne_scene.formats.gltf.read.container import Container, floats, number
 from nocturne_scene.formats.gltf.read.coordinates import Frame
 from nocturne_scene.formats.gltf.read.pictures import Pictures, Pixels
 from nocturne_scene.formats.reading.scene_writer import Json
+from nocturne_scene.spectra.published import SRGB_LUMINANCE
 from nocturne_scene.textures.image_files import decoded
 
 # Reflectance of glass at normal incidence, which metallic-roughness materials have where they are no metal.
@@ -99,8 +100,7 @@ def _solved(diffuse: Pixels, specular: Pixels) -> tuple[Pixels, Pixels]:
     Light that glossiness reflects does not reach the diffuse part: it is 1 - max(F0) of its colour.
     """
     below = diffuse * (1 - specular.max(axis=-1, keepdims=True))
-    weights = np.array([0.2126, 0.7152, 0.0722])
-    d, s = ((each @ weights)[..., None] for each in (below / (1 - _GLASS), specular))
+    d, s = ((each @ SRGB_LUMINANCE)[..., None] for each in (below / (1 - _GLASS), specular))
     # d = (1 - m) c and s = g (1 - m) + m c, so g m^2 + (d + s - 2 g) m + g - s = 0.
     b, c = d + s - 2 * _GLASS, _GLASS - s
     root = np.sqrt(np.maximum(b**2 - 4 * _GLASS * c, 0.0))

@@ -16,6 +16,7 @@ from nocturne_scene.formats.mitsuba.read.properties import Properties
 from nocturne_scene.formats.reading import colours, daylight, lamps
 from nocturne_scene.formats.reading.scene_writer import Json
 from nocturne_scene.formats.reading.transforms import Matrix
+from nocturne_scene.spectra.published import SRGB_LUMINANCE
 
 _DEGREES = 0.5358
 """Of the Sun's disc, before `sun_radius_scale`."""
@@ -107,7 +108,7 @@ def _picture(turbidity: float, sun: tuple[float, float], stretch: float, *, exte
     found = _sky(turbidity, sun, rows / stretch)
     level = _sky(turbidity, sun, rows[: _ROWS // 2])
     weights = np.cos(rows) * np.sin(rows) * (math.pi / _ROWS) ** 2
-    own = float(np.einsum("ijk,i,k->", level, weights[: _ROWS // 2], colours.LUMINANCE))
+    own = float(np.einsum("ijk,i,k->", level, weights[: _ROWS // 2], SRGB_LUMINANCE))
     by_turbidity = [np.interp(math.degrees(sun[0]), _ZENITHS, each) for each in _ILLUMINANCES]
     found = found * (float(np.interp(turbidity, _TURBIDITIES, by_turbidity)) / own)
     below = rows / stretch >= math.pi / 2

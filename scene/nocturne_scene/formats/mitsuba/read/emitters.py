@@ -18,6 +18,7 @@ from nocturne_scene.formats.mitsuba.read.units import white
 from nocturne_scene.formats.reading import colours, lamps
 from nocturne_scene.formats.reading.beams import Array, beam, looked_up
 from nocturne_scene.formats.reading.scene_writer import FilmSettings, Json
+from nocturne_scene.spectra.published import SRGB_LUMINANCE
 from nocturne_scene.textures.image_files import decoded
 from nocturne_scene.textures.pictures import UnusableImageError, check_size, opened
 
@@ -164,7 +165,7 @@ def _add_beam(
     luminance = colours.luminance_of(colour)
     tint = np.ones(3)
     if isinstance(colour, dict) and "rgb" in colour:
-        tint = np.array(colour["rgb"]) / (np.array(colours.LUMINANCE) @ colour["rgb"])
+        tint = np.array(colour["rgb"]) / (np.array(SRGB_LUMINANCE) @ colour["rgb"])
     elif colour != 1.0 and not (isinstance(colour, dict) and colour.get("illuminant") == "D65"):
         context.findings.note(properties.place, "a picture is thrown in the light of D65")
     context.findings.note(

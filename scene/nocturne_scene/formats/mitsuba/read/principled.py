@@ -13,6 +13,7 @@ from nocturne_scene.formats.mitsuba.read.context import Context
 from nocturne_scene.formats.mitsuba.read.properties import Properties
 from nocturne_scene.formats.reading import colours, metals
 from nocturne_scene.formats.reading.scene_writer import Json
+from nocturne_scene.spectra.published import SRGB_LUMINANCE
 
 _LEAST_ALPHA = 1e-3
 _WHITE = [1.0] * 3
@@ -115,7 +116,7 @@ def _hue(context: Context, properties: Properties, base: Json, name: str) -> lis
     if "rgb" not in base or not max(base["rgb"]) > 0:
         context.findings.lost(properties.place, f'no equal of a "{name}" whose "base_color" is no rgb')
         return _WHITE
-    luminance = sum(part * each for part, each in zip(colours.LUMINANCE, base["rgb"], strict=True))
+    luminance = sum(part * each for part, each in zip(SRGB_LUMINANCE, base["rgb"], strict=True))
     return [1 + amount * (each / luminance - 1) for each in base["rgb"]]
 
 

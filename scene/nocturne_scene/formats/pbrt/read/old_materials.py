@@ -12,6 +12,7 @@ from nocturne_scene.formats.pbrt.read.old_roughness import alpha_of
 from nocturne_scene.formats.pbrt.read.parameters import Parameters
 from nocturne_scene.formats.reading import colours, metals
 from nocturne_scene.formats.reading.scene_writer import Json
+from nocturne_scene.spectra.published import SRGB_LUMINANCE
 
 
 def plastic(context: Context, parameters: Parameters) -> Json:
@@ -176,7 +177,7 @@ def _number(context: Context, value: Json, name: str, parameters: Parameters) ->
         parameters.place, f'no equal of a coloured "{name}" of uber; taken as its brightness'
     )
     rgb = value.get("rgb")
-    return sum(a * b for a, b in zip(colours.LUMINANCE, rgb, strict=True)) if rgb else spectra.largest(value)
+    return sum(a * b for a, b in zip(SRGB_LUMINANCE, rgb, strict=True)) if rgb else spectra.largest(value)
 
 
 def _product(context: Context, first: Json, second: Json, parameters: Parameters) -> Json:

@@ -17,6 +17,7 @@ from nocturne_scene.formats.pbrt.read.context import Context
 from nocturne_scene.formats.pbrt.read.old_roughness import alpha_of
 from nocturne_scene.formats.pbrt.read.parameters import Parameter
 from nocturne_scene.formats.reading import colours
+from nocturne_scene.spectra.published import XYZ_TO_SRGB
 
 # Materials that only pbrt-v3 has: materials/*.cpp.
 OLD_MATERIALS = frozenset(
@@ -37,9 +38,6 @@ OLD_MATERIALS = frozenset(
 _SCATTERED = ("Kd", "Ks", "Kr", "Kt", "reflect", "transmit", "opacity", "color")
 # What named tables of metals are called in pbrt-v3's scenes, and in pbrt-v4.
 _METAL_FILE = re.compile(r"(?:.*/)?(Ag|Al|Au|Cu)\.(eta|k)\.spd")
-
-# XYZ to linear sRGB, IEC 61966-2-1.
-_XYZ = ((3.2406, -1.5372, -0.4986), (-0.9689, 1.8758, 0.0415), (0.0557, -0.2040, 1.0570))
 
 _SECOND_RADIATION = 0.01438776877
 """h c / k, metres kelvin."""
@@ -109,7 +107,7 @@ def _value(found: Parameter) -> Parameter:
         return replace(found, type="rgb")
     if found.type == "xyz":
         xyz = found.numbers(3)
-        rgb = [sum(a * b for a, b in zip(row, xyz, strict=True)) for row in _XYZ]
+        rgb = [sum(a * b for a, b in zip(row, xyz, strict=True)) for row in XYZ_TO_SRGB.tolist()]
         return replace(found, type="rgb", values=[max(each, 0.0) for each in rgb])
     if found.type == "spectrum" and found.values and isinstance(found.values[0], str):
         match = _METAL_FILE.fullmatch(found.values[0])

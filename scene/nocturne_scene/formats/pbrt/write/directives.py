@@ -5,10 +5,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from nocturne_scene.formats.writing.tables import Array, Table
-from nocturne_scene.spectra.published import FIRST, LAST, observer, visible_wavelengths
-
-# Of K_m, lm/W: the definition of the candela in the SI (2019).
-_LUMENS_PER_WATT = 683.0
+from nocturne_scene.spectra.published import FIRST, LAST, MAX_LUMINOUS_EFFICACY, observer, visible_wavelengths
 
 
 def directive(name: str, *words: str | float) -> str:
@@ -68,7 +65,7 @@ def reflectance(name: str, table: Table) -> str:
 def light(name: str, table: Table) -> list[str]:
     """A radiance: pbrt divides by the luminance, a sum over whole nm, and `scale` gives it back."""
     at = visible_wavelengths()
-    luminance = _LUMENS_PER_WATT * float(table.at(at) @ observer("CIE 1931 2 degree")[:, 1])
+    luminance = MAX_LUMINOUS_EFFICACY * float(table.at(at) @ observer("CIE 1931 2 degree")[:, 1])
     return [spectrum(name, table), real("scale", luminance)]
 
 
