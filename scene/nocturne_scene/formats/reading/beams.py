@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nocturne_scene.formats.reading import colours
-from nocturne_scene.formats.reading.lamps import UNSEEN
+from nocturne_scene.formats.reading.lamps import ball
 from nocturne_scene.formats.reading.scene_writer import Json, SceneWriter
 from nocturne_scene.photometry.ies import Photometry
 from nocturne_scene.photometry.ies import write as write_photometry
@@ -64,22 +64,9 @@ def beam(
         lamp = Photometry(np.concatenate([degrees, end]), np.degrees(azimuth), candela)
         number = len(writer.document.get("surfaces", [])) + len(found)
         asset = writer.file(writer.unused_file("lamps", f"{name}-{number}", ".ies"), write_photometry(lamp))
-        found.append(
-            {
-                "name": name,
-                "shape": {
-                    "type": "sphere",
-                    "centre": to_world[:3, 3].tolist(),
-                    "radius": radius * _APART ** len(found),
-                },
-                "kernel": {"type": "null"},
-                "luminaire": {
-                    "radiance": spectrum,
-                    "profile": {"asset": asset, "axis": axes[:, 2].tolist(), "zero": axes[:, 0].tolist()},
-                    "hidden_from": UNSEEN,
-                },
-            }
-        )
+        profile = {"asset": asset, "axis": axes[:, 2].tolist(), "zero": axes[:, 0].tolist()}
+        luminaire = {"radiance": spectrum, "profile": profile}
+        found.append(ball(to_world[:3, 3], radius * _APART ** len(found), luminaire, name))
     return found
 
 

@@ -21,11 +21,12 @@ from nocturne_scene.formats.gltf.read.materials import KNOWN, Materials
 from nocturne_scene.formats.gltf.read.pictures import Pictures
 from nocturne_scene.formats.gltf.read.poses import Poses, poses_at
 from nocturne_scene.formats.gltf.read.primitives import Primitive, Skin, read_primitive
-from nocturne_scene.formats.reading import colours, lamps, shapes, transforms
+from nocturne_scene.formats.reading import colours, shapes, transforms
 from nocturne_scene.formats.reading.baking import bake
 from nocturne_scene.formats.reading.crowds import Crowds
 from nocturne_scene.formats.reading.extent import Extent
 from nocturne_scene.formats.reading.findings import Findings
+from nocturne_scene.formats.reading.lamps import Lamps
 from nocturne_scene.formats.reading.options import ImportOptions
 from nocturne_scene.formats.reading.scene_writer import SceneWriter
 from nocturne_scene.formats.reading.transforms import Matrix
@@ -242,30 +243,18 @@ class _Reader:
             self.findings.note(place, "a lamp's range is left out: light goes on")
         position, ahead = matrix[:3, 3], -matrix[:3, 2]
         kind = value(entry, "type", "")
+        lamps = Lamps(self.writer, self.findings, self.options, self.extent)
         if kind == "directional":
-            degrees = self.options.light_degrees
-            self.findings.note(
-                place,
-                f"light from one direction became a disc of {degrees:g} degrees and the same irradiance",
-            )
-            self.writer.add("distant", lamps.far((-ahead).tolist(), degrees, power))
-            return
-        radius = self.options.light_radius
-        if radius is None:
-            radius = self.extent.lamp_radius(position)
-        self.findings.note(
-            place, f"the {kind} became a sphere of radius {radius:.4g} m and the same intensity"
-        )
-        if kind == "point":
-            self.writer.add("surfaces", lamps.point(position, radius, power, "point"))
+            lamps.far(-ahead, power, place)
+        elif kind == "point":
+            lamps.point(position, power, "point", place)
         elif kind == "spot":
-            self.writer.add("surfaces", self._spot(entry, f"lights[{index}]", position, ahead, radius, power))
+            lamps.spot(position, ahead, power, self._spot(entry, f"lights[{index}]"), "spot", place)
         else:
             raise InputError.at(place, f'no lamp "{str(kind)[:40]}"; expected point, spot or directional')
 
-    def _spot(
-        self, entry: Json, place: str, position: Matrix, ahead: Matrix, radius: float, power: Json
-    ) -> Json:
+    def _spot(self, entry: Json, place: str) -> tuple[Matrix, Matrix]:
+        """Degrees from the axis of a spot, and the part of the intensity there."""
         cone = value(entry, "spot", {})
         inner = number(self.container, cone, "innerConeAngle", 0.0, place)
         outer = number(self.container, cone, "outerConeAngle", math.pi / 4, place)
@@ -276,8 +265,7 @@ class _Reader:
         angles = np.unique(np.concatenate([[0.0, math.pi], [outer + 2e-5], np.linspace(inner, outer, 65)]))
         # The extension's own suggestion: the square of a ramp over the cosine.
         ramp = (np.cos(angles) - math.cos(outer)) / (math.cos(inner) - math.cos(outer))
-        part = np.clip(ramp, 0.0, 1.0) ** 2
-        return lamps.spot(self.writer, position, ahead, radius, power, (np.degrees(angles), part), "spot")
+        return np.degrees(angles), np.clip(ramp, 0.0, 1.0) ** 2
 
 
 def import_gltf(file: Path, writer: SceneWriter, findings: Findings, options: ImportOptions) -> None:

@@ -3,15 +3,13 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
 from nocturne_scene.formats.mitsuba.read.elements import Element
 from nocturne_scene.formats.mitsuba.read.properties import Properties
 from nocturne_scene.formats.mitsuba.read.tree import SceneTree
 from nocturne_scene.formats.reading.crowds import Crowds
 from nocturne_scene.formats.reading.extent import Extent
 from nocturne_scene.formats.reading.findings import Findings
+from nocturne_scene.formats.reading.lamps import Lamps
 from nocturne_scene.formats.reading.options import ImportOptions
 from nocturne_scene.formats.reading.scene_writer import Json, SceneWriter
 from nocturne_scene.meshes.triangles import Triangles
@@ -42,15 +40,13 @@ class Context:
     extent: Extent = field(default_factory=Extent)
     crowds: Crowds = field(init=False)
     """Shapes and instances of the scene."""
+    lamps: Lamps = field(init=False)
+    """Lamps without a size."""
 
     def __post_init__(self) -> None:
         self.crowds = Crowds(self.writer, self.findings)
+        self.lamps = Lamps(self.writer, self.findings, self.options, self.extent)
 
     def properties(self, element: Element) -> Properties:
         """The parameters of a plugin."""
         return Properties(element, self.tree, self.findings)
-
-    def light_radius(self, place: NDArray[np.float64]) -> float:
-        """Of a lamp that has none."""
-        given = self.options.light_radius
-        return self.extent.lamp_radius(place) if given is None else given

@@ -15,7 +15,7 @@ from nocturne_scene.formats.mitsuba.read.elements import Element
 from nocturne_scene.formats.mitsuba.read.properties import Properties
 from nocturne_scene.formats.mitsuba.read.sensors import vertical_field
 from nocturne_scene.formats.mitsuba.read.units import white
-from nocturne_scene.formats.reading import colours, lamps
+from nocturne_scene.formats.reading import colours
 from nocturne_scene.formats.reading.beams import Array, beam, looked_up
 from nocturne_scene.formats.reading.scene_writer import FilmSettings, Json
 from nocturne_scene.spectra.published import SRGB_LUMINANCE
@@ -67,12 +67,7 @@ def _point(context: Context, properties: Properties) -> None:
     to_world = properties.transform("to_world")
     place = to_world[:3, 3] if position is None else np.array(position)
     intensity = textures.light(context, properties, "intensity", _standard())
-    radius = context.light_radius(place)
-    context.findings.note(
-        properties.place, f"the point became a sphere of radius {radius:.4g} m and the same intensity"
-    )
-    name = properties.element.id or "point"
-    context.writer.add("surfaces", lamps.point(place, radius, intensity, name))
+    context.lamps.point(place, intensity, properties.element.id or "point", properties.place)
 
 
 def _spot(context: Context, properties: Properties) -> None:
@@ -83,10 +78,6 @@ def _spot(context: Context, properties: Properties) -> None:
     texture = properties.take("texture")
     if not 0 < beam <= cutoff < 180:
         raise InputError.at(properties.place, "expected 0 < beam_width <= cutoff_angle < 180")
-    radius = context.light_radius(to_world[:3, 3])
-    context.findings.note(
-        properties.place, f"the spot became a sphere of radius {radius:.4g} m and the same intensities"
-    )
     # Full up to the beam's width, from there to the cut-off in proportion to the angle, then none.
     degrees = np.unique(np.array([0.0, beam, cutoff, min(180.0, cutoff + 1e-3), 180.0]))
     part = np.clip((cutoff - degrees) / max(cutoff - beam, 1e-3), 0.0, 1.0)
@@ -100,18 +91,11 @@ def _spot(context: Context, properties: Properties) -> None:
 
         if cutoff >= 90:
             raise InputError.at(properties.place, "expected a cutoff_angle below 90 of a spot with a texture")
-        _add_beam(context, properties, to_world, radius, spread, (values, max(slide.shape)), intensity)
+        _add_beam(context, properties, to_world, spread, (values, max(slide.shape)), intensity)
         return
-    lamp = lamps.spot(
-        context.writer,
-        to_world[:3, 3],
-        to_world[:3, 2],
-        radius,
-        intensity,
-        (degrees, part),
-        properties.element.id or "spot",
-    )
-    context.writer.add("surfaces", lamp)
+    name = properties.element.id or "spot"
+    position, axis = to_world[:3, 3], to_world[:3, 2]
+    context.lamps.spot(position, axis, intensity, (degrees, part), name, properties.place)
 
 
 def _projector(context: Context, properties: Properties) -> None:
@@ -135,9 +119,8 @@ def _projector(context: Context, properties: Properties) -> None:
         rise = math.pi * scale * (1 + x**2 + y**2) ** 1.5
         return rise[..., None] * looked_up(slide, 0.5 - 0.5 * x / wide, 0.5 - 0.5 * y / high)
 
-    radius = context.light_radius(to_world[:3, 3])
     made = (values, max(rows, columns))
-    _add_beam(context, properties, to_world, radius, math.hypot(wide, high), made, colour)
+    _add_beam(context, properties, to_world, math.hypot(wide, high), made, colour)
 
 
 def _slide(context: Context, element: Element) -> Array:
@@ -155,13 +138,13 @@ def _add_beam(
     context: Context,
     properties: Properties,
     to_world: Array,
-    radius: float,
     widest: float,
     made: tuple[Callable[[Array, Array], Array], int],
     colour: Json,
 ) -> None:
     """Lamps that throw a picture in light of a colour."""
     values, pixels = made
+    radius = context.lamps.radius(to_world[:3, 3])
     luminance = colours.luminance_of(colour)
     tint = np.ones(3)
     if isinstance(colour, dict) and "rgb" in colour:
@@ -191,13 +174,8 @@ def _directional(context: Context, properties: Properties) -> None:
     ahead = to_world[:3, 2] if direction is None else to_world[:3, :3] @ np.array(direction)
     if not np.linalg.norm(ahead) > 0:
         raise InputError.at(properties.place, "the direction has no length")
-    degrees = context.options.light_degrees
-    context.findings.note(
-        properties.place,
-        f"light from one direction became a disc of {degrees:g} degrees and the same irradiance",
-    )
     irradiance = textures.light(context, properties, "irradiance", _standard())
-    context.writer.add("distant", lamps.far((-ahead).tolist(), degrees, irradiance))
+    context.lamps.far(-ahead, irradiance, properties.place)
 
 
 def _envmap(context: Context, properties: Properties) -> None:

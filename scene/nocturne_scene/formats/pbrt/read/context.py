@@ -11,6 +11,7 @@ from nocturne_scene.formats.pbrt.read.parameters import Parameter, Parameters
 from nocturne_scene.formats.reading.crowds import Crowds
 from nocturne_scene.formats.reading.extent import Extent
 from nocturne_scene.formats.reading.findings import Findings
+from nocturne_scene.formats.reading.lamps import Lamps
 from nocturne_scene.formats.reading.options import ImportOptions
 from nocturne_scene.formats.reading.scene_files import SceneFiles
 from nocturne_scene.formats.reading.scene_writer import Json, SceneWriter
@@ -59,6 +60,8 @@ class Context:
     extent: Extent = field(default_factory=Extent)
     crowds: Crowds = field(init=False)
     """Shapes and instances of the scene."""
+    lamps: Lamps = field(init=False)
+    """Lamps without a size."""
     is_old: bool = False
     """Whether something was met that only pbrt-v3 has."""
     later: list[Callable[[], None]] = field(default_factory=list)
@@ -66,6 +69,7 @@ class Context:
 
     def __post_init__(self) -> None:
         self.crowds = Crowds(self.writer, self.findings)
+        self.lamps = Lamps(self.writer, self.findings, self.options, self.extent)
 
     def to_world(self) -> Matrix:
         """From the coordinates of now to those of the document."""
@@ -78,8 +82,3 @@ class Context:
     def file(self, name: str, place: str) -> Path:
         """A file that the scene names."""
         return self.files.find(name, [self.folder], place)
-
-    def light_radius(self, place: NDArray[np.float64]) -> float:
-        """Of a lamp that has none."""
-        given = self.options.light_radius
-        return self.extent.lamp_radius(place) if given is None else given

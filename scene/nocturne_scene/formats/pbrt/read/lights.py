@@ -11,7 +11,7 @@ from nocturne_scene.formats.pbrt import squares
 from nocturne_scene.formats.pbrt.read import spectra
 from nocturne_scene.formats.pbrt.read.context import Context
 from nocturne_scene.formats.pbrt.read.parameters import Parameters
-from nocturne_scene.formats.reading import lamps, transforms
+from nocturne_scene.formats.reading import transforms
 from nocturne_scene.formats.reading.scene_writer import Json
 from nocturne_scene.textures.environment_maps import read_whole
 from nocturne_scene.textures.pictures import UnusableImageError, opened
@@ -112,27 +112,13 @@ def _distant(context: Context, parameters: Parameters) -> None:
     if not np.linalg.norm(end - start) > 0:
         raise InputError.at(parameters.place, '"from" and "to" are the same point')
     scale = _scale(parameters, "illuminance", 1.0)
-    degrees = context.options.light_degrees
-    context.findings.note(
-        parameters.place,
-        f"light from one direction became a disc of {degrees:g} degrees and the same irradiance",
-    )
-    irradiance = spectra.light(context, parameters, "L", scale)
-    context.writer.add("distant", lamps.far((start - end).tolist(), degrees, irradiance))
+    context.lamps.far(start - end, spectra.light(context, parameters, "L", scale), parameters.place)
 
 
 def _point(context: Context, parameters: Parameters) -> None:
     position = np.asarray(context.to_world() @ [*(parameters.numbers("from", 3) or [0.0, 0.0, 0.0]), 1.0])[:3]
     intensity = spectra.light(context, parameters, "I", _scale(parameters, "power", 4 * np.pi))
-
-    def add() -> None:
-        radius = context.light_radius(position)
-        context.findings.note(
-            parameters.place, f"the point became a sphere of radius {radius:.4g} m and the same intensity"
-        )
-        context.writer.add("surfaces", lamps.point(position, radius, intensity, "point"))
-
-    context.later.append(add)
+    context.later.append(lambda: context.lamps.point(position, intensity, "point", parameters.place))
 
 
 def _spot(context: Context, parameters: Parameters) -> None:
@@ -146,17 +132,10 @@ def _spot(context: Context, parameters: Parameters) -> None:
     cosine, low, high = np.cos(np.radians(degrees)), np.cos(np.radians(cone)), np.cos(np.radians(edge))
     intensity = spectra.light(context, parameters, "I", _scale(parameters, "power", np.pi * (2 - low - high)))
     t = np.clip((cosine - low) / max(high - low, 1e-9), 0.0, 1.0)
-    part = t * t * (3 - 2 * t)
-
-    def add() -> None:
-        radius = context.light_radius(start)
-        context.findings.note(
-            parameters.place, f"the spot became a sphere of radius {radius:.4g} m and the same intensities"
-        )
-        lamp = lamps.spot(context.writer, start, end - start, radius, intensity, (degrees, part), "spot")
-        context.writer.add("surfaces", lamp)
-
-    context.later.append(add)
+    profile = (degrees, t * t * (3 - 2 * t))
+    context.later.append(
+        lambda: context.lamps.spot(start, end - start, intensity, profile, "spot", parameters.place)
+    )
 
 
 _LIGHTS: dict[str, Callable[[Context, Parameters], None]] = {
