@@ -1,1 +1,1 @@
-"""Scene documents (what people write) and their compilation to what the tracer reads."""
+"""Scene documents, as people write them, and their compilation for the tracer."""

@@ -1,6 +1,6 @@
-"""Content-addressed files: immutable, named by the SHA-256 of what they hold.
+"""Content-addressed files: immutable, named by the SHA-256 of their content.
 
-With an object store, what is stored is there before it is said to be, and what is missing here is fetched.
+With an object store, a blob is there before it counts as stored, and one that is missing here is fetched.
 """
 
 import hashlib
@@ -111,7 +111,7 @@ class BlobStore:
         return place if place.is_file() else None
 
     def remove_here(self, sha256: str) -> None:
-        """The blob is not on this machine any more, nor what was noted about it. Nobody may need it."""
+        """Remove the blob and its notes from this machine. Nobody may need it."""
         self._place(sha256).unlink(missing_ok=True)
         shutil.rmtree(self._notes_of(sha256), ignore_errors=True)
 
@@ -173,7 +173,7 @@ class BlobStore:
     def writer(self, sha256: str, size_bytes: int) -> Iterator[BlobWriter]:
         """Write a blob's bytes inside `with`; at its end it is verified, durable and visible, or gone.
 
-        Raises InputError where size or digest differ from what was declared, or the size is over the limit.
+        Raises InputError where size or digest differ from the declared ones, or the size is over the limit.
         """
         place = self._place(sha256)
         check_size(size_bytes)
@@ -207,7 +207,7 @@ class BlobStore:
                 writer.write(piece)
 
     def note(self, about: NoteKey) -> str | None:
-        """What was noted about something; None if nothing was. On this machine only."""
+        """The note about something; None if there is none. On this machine only."""
         try:
             return self._note_place(about).read_text()
         except FileNotFoundError:

@@ -2,7 +2,7 @@
 
 NocturneError
 +-- InputError      what the user gave is wrong; each problem names its place
-    +-- Incomplete  (`formats.import_scene`) a scene was imported, and something in it has no equal here
+    +-- Incomplete  (`formats.import_scene`) a scene was imported, and something in it has no counterpart here
 +-- NotFound        there is no such file, or render
 +-- PilotFailed     the small renders of a preflight can't be made, or have nothing to compare
 """

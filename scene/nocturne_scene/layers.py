@@ -1,6 +1,6 @@
 """Layers of an image: what the surfaces that its pixels see are like, where they are and which they are.
 
-They are made once for a render, by `compile.layers`, kept as an EXR file of their own, and put beside
+They are made once for a render, by `compile.layers`, kept as a separate EXR file, and written with
 the image's channels whenever an image is written.
 """
 

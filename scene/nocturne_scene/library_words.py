@@ -1,4 +1,4 @@
-"""What other libraries and programs say of a file, made fit for whoever sent it.
+"""Messages of other libraries and programs about a file, made fit for its sender.
 
 Without this machine's paths, and without names of exceptions."""
 

@@ -27,7 +27,7 @@ from nocturne_scene.tile_sums import (
 
 _XYZ = 3
 _VALUE_BYTES, _PRODUCT_BYTES = 4, 2
-"""Of a float32, what is sent of a sum of values, and of a sum of products."""
+"""Bytes of a float32 that are sent of a sum of values, and of a sum of products."""
 
 _Factors = tuple[Values, Values]
 

@@ -24,13 +24,13 @@ def covariance_of_means(products: Values, a: Values, b: Values, counts: Values |
 
 
 def one_more_find(mean: Values, variance: Values, counts: Counts) -> Values:
-    """What is to be added to the variance of a pixel's mean, or of a region's sum, for what its samples
+    """The addition to the variance of a pixel's mean, or of a region's sum, for light that its samples
     missed; shapes (height, width, ...), `counts` (height, width).
 
     Light that few samples find is unknown where none found it, and too well known where two found as much.
-    So each error has the variance that one more find would bring: that of the pixel's block, over the number
-    of its finds. Those are its samples weighed by what they found, (sum of |x|)^2 / sum of x^2 (Kish's
-    effective sample size), at least 1. A pixel with many finds of its own needs the others' so much less.
+    So each error has the variance that one more lit sample would bring: that of the pixel's block, over the
+    number of its lit samples: its samples weighed by their values, (sum of |x|)^2 / sum of x^2 (Kish's
+    effective sample size), at least 1. A pixel with many lit samples needs the block's so much less.
     """
     n = np.maximum(counts, 2).astype(np.float64)
     n = n.reshape(n.shape + (1,) * (mean.ndim - 2))
@@ -52,7 +52,7 @@ def _finds(n: Values, found: Values, variance: Values, squares: Values) -> Value
 
 
 def pixel_variance(sums: Values, squares: Values, counts: Counts) -> Values:
-    """Of the means of one quantity in pixels, all of shape (height, width), with one more find."""
+    """Of the means of one quantity in pixels, all of shape (height, width), with one more lit sample."""
     own = variance_of_mean(sums, squares, counts)
     own += one_more_find(sums / np.maximum(counts, 1), own, counts)
     return own

@@ -14,7 +14,7 @@ class Quantity:
     unit: str
     """Of Y, in ASCII."""
     response_unit: str
-    """Of a further response without a unit of its own: the integral of spectral radiance (irradiance,
+    """Of a further response without another unit: the integral of spectral radiance (irradiance,
     intensity) times the response, over wavelength."""
 
     def of_channel(self, name: str, names: Sequence[str]) -> tuple[str, str]:

@@ -52,7 +52,7 @@ class ForwardPhotons(Enum):
     ALONE = "alone"
     """They bring all light; the film is one tile."""
     BESIDE = "beside"
-    """Beside adjoint photons: in one tile with these where the film is small, else in ranges of their own."""
+    """With adjoint photons: in one tile with these where the film is small, else in separate ranges."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,9 +78,9 @@ def make_schedule(
     """The schedule of a film of width x height pixels with `samples` samples per pixel.
 
     `further_responses` are the names of the sensor's, besides X, Y and Z. `photons_per_sample`: photons that
-    travel together. `forward_ratio`: photons from the luminaires for each from a pixel, where they go both
-    ways; 0: 1. Raises InputError with the places `$.width`, `$.height`, `$.samples`, and `$.scene` for the
-    names.
+    travel together. `forward_ratio`: photons from the luminaires for each from a pixel, where both directions
+    are traced; 0: 1. Raises InputError with the places `$.width`, `$.height`, `$.samples`, and `$.scene` for
+    the names.
     """
     problems = [*_edge_problems("$.width", width), *_edge_problems("$.height", height)]
     has_ratio = forward_photons is ForwardPhotons.BESIDE and forward_ratio not in (0.0, 1.0)
@@ -167,12 +167,12 @@ def _forward_photons_of(schedule: job_pb2.RangeSchedule) -> ForwardPhotons:
 
 
 def ratio_of(schedule: job_pb2.RangeSchedule) -> float:
-    """Photons from the luminaires for each from a pixel, where they go both ways."""
+    """Photons from the luminaires for each from a pixel, where both directions are traced."""
     return schedule.forward_ratio or 1.0
 
 
 def entries_of(schedule: job_pb2.RangeSchedule) -> int:
-    """Of a manifest: its tiles, and one more for forward photons that have ranges of their own."""
+    """Of a manifest: its tiles, and one more for forward photons that have separate ranges."""
     return TileGrid.of(schedule).count + bool(schedule.photon_range_ends)
 
 

@@ -1,4 +1,4 @@
-"""What whoever reads a render should know beside its error: of its scene, and of parts of its image.
+"""Warnings for readers of a render, in addition to its error: of its scene, and of parts of its image.
 
 Compiled scene, schedule, data folder, API and client have the same fields; an EXR has them as lines.
 """
@@ -15,7 +15,7 @@ class WarningKind(StrEnum):
     """What a warning is about."""
 
     SCENE = "scene"
-    """The document says what can hardly be meant."""
+    """The document has a probable mistake."""
     LAYERS = "layers"
     """They could not be made."""
     MISSING_LIGHT = "missing_light"
@@ -36,7 +36,7 @@ class UnmetPart:
     width: int
     height: int
     part: float
-    """At most so much, in parts of what is seen there."""
+    """The most that may be missing, in parts of the light there."""
 
     @property
     def pixels(self) -> tuple[slice, slice]:
@@ -71,7 +71,7 @@ class RenderWarning:
 
 
 def of_scene(sentences: Iterable[str]) -> list[RenderWarning]:
-    """What can hardly be meant."""
+    """Warnings of probable mistakes."""
     return [RenderWarning(WarningKind.SCENE, sentence) for sentence in sentences]
 
 

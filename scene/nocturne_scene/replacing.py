@@ -29,7 +29,7 @@ def replacing(
     """An empty file to write to, which becomes `path` at the end of `with`, and is gone after an error.
 
     `durable`: its content is on the disk before it is seen, and its name at the end. It lies in `folder`, of
-    the same file system; without one, beside `path`. The renaming alone happens inside `within`, which may
+    the same file system; without one, next to `path`. The renaming alone happens inside `within`, which may
     refuse it by an error.
     """
     descriptor, name = tempfile.mkstemp(dir=folder or path.parent, prefix=UNFINISHED, suffix=path.suffix)
@@ -37,7 +37,7 @@ def replacing(
     unfinished = Path(name)
     try:
         yield unfinished
-        # What mkstemp makes can be read by nobody else.
+        # Nobody but its owner can read a file of mkstemp.
         unfinished.chmod(0o644)
         if durable:
             sync(unfinished)

@@ -17,7 +17,7 @@ _OF_PARTS = frozenset(name for names in LIGHT_PARTS.values() for name in names)
 
 
 def name_problems(names: Sequence[str]) -> Iterator[str]:
-    """What is wrong with the names of a sensor's further responses, in words."""
+    """Problems of the names of a sensor's further responses, in words."""
     if len(names) > MAX_FURTHER_RESPONSES:
         yield f"{len(names)} further responses; at most {MAX_FURTHER_RESPONSES}"
     for index, name in enumerate(names):

@@ -9,7 +9,7 @@ _ERRORS = "nocturne.latin-1"
 
 
 def _as_latin_1(error: UnicodeError) -> tuple[str, int]:
-    """What is no UTF-8, byte by byte; of UTF-16 there is nothing to take instead."""
+    """Decode bytes that are no UTF-8 one by one; for UTF-16 there is nothing to take instead."""
     if not isinstance(error, UnicodeDecodeError) or not error.encoding.startswith("utf-8"):
         raise error
     return error.object[error.start : error.end].decode("latin-1"), error.end

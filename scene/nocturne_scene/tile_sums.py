@@ -15,7 +15,7 @@ XYZ_SUMS = 9
 further response and one of its square for each."""
 
 PRODUCTS = 6
-"""Sums over samples of products of what pixels together have: YY, XX, ZZ, XY, XZ, YZ."""
+"""Sums over samples of products of sums over pixels: YY, XX, ZZ, XY, XZ, YZ."""
 
 PRODUCTS_SQUARES, PRODUCTS_PAIRS = [1, 0, 2], [3, 4, 5]
 """Places in PRODUCTS of XX, YY, ZZ and of XY, XZ, YZ. Taking the first of Y, X, Z gives X, Y, Z, and back."""
@@ -48,7 +48,7 @@ def blocks_in(pixels: int) -> int:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TileSums:
-    """Sums over samples of a tile; views into one run of numbers, or arrays of their own."""
+    """Sums over samples of a tile; views into one run of numbers, or separate arrays."""
 
     pixels: Values
     """Shape (height, width, sums_per_pixel)."""
@@ -98,7 +98,7 @@ def numbers_in(width: int, height: int, further: int) -> int:
 def decode(data: bytes, width: int, height: int, further: int) -> TileSums:
     """What `encode` gave; ValueError where it is no such tile's.
 
-    Of a tile from before there were errors of all quantities, what is not known is NaN.
+    Of a tile from before there were errors of all quantities, unknown values are NaN.
     """
     found = np.frombuffer(data, dtype="<f8")
     pixels = width * height

@@ -38,14 +38,14 @@ _Y = 1
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ImageMoments:
-    """Means of an image's pixels, or of some of its rows of tiles, and what is known of their errors."""
+    """Means of an image's pixels, or of some of its rows of tiles, and the known moments of their errors."""
 
     mean: Values
     """Shape (height, width, 3 or more): X, Y, Z, further responses."""
     variance: Values
     """Of the mean, same shape; 0 where there is none or below two samples, NaN where it was not kept."""
     one_more: Values
-    """What one more find would bring to it, same shape; see one_more_find."""
+    """The addition to it for one more lit sample, same shape; see one_more_find."""
     covariance: Values
     """Of the means XY, XZ, YZ, shape (height, width, 3)."""
     block_covariance: Values
@@ -105,7 +105,7 @@ class _Correlation:
         tile_size: int,
         chosen: NDArray[np.bool_],
     ) -> Values:
-        """Variances of a quantity's means, and of their sums over blocks and tiles. What is NaN was not
+        """Variances of a quantity's means, and of their sums over blocks and tiles. A NaN was not
         kept, and counts as independent. Gives the part of each block's variance that is chosen."""
         whole, inside = block_sums(variance), block_sums(np.where(chosen, variance, 0.0))
         self._variance += float(np.sum(inside))
@@ -191,7 +191,7 @@ class RegionSums:
         self._mean = np.zeros(values)
         self._variance = np.zeros(values)
         self._one_more = np.zeros(values)
-        # Of X, Y, Z: by pixels alone, and what blocks have together, as PRODUCTS.
+        # Of X, Y, Z: by pixels alone, and by sums over blocks, as PRODUCTS.
         self._covariance = np.zeros(PRODUCTS)
         self._of_blocks = np.zeros(PRODUCTS)
         self._correlations = [_Correlation() for _ in "XYZ"]

@@ -13,7 +13,7 @@ from scipy import special
 Values = NDArray[np.float64]
 
 SIGNIFICANCE = 0.01
-"""Chance that two estimates of the same are told apart: by the pixels' bound, and by the tiles'."""
+"""Chance that two estimates of the same image count as different: by the pixels' bound, and by the tiles'."""
 
 EXPLAINED = 0.9975
 """Share of all values that must lie within the pixels' bound: the rule of Mitsuba 3's tests."""
@@ -120,7 +120,7 @@ def _verdict(image: Estimate, reference: Estimate) -> Verdict:
         _tile_sums(difference),
         [(_tile_sums(variance), degrees) for variance, degrees in of_sums],
         rounding * _TILE**2,
-        # Each of a tile's values has degrees of its own; of unequal ones a quarter counts, at least.
+        # Each of a tile's values has its own degrees of freedom; of unequal ones a quarter counts, at least.
         spread=_TILE**2 / 4,
     )
     total = np.sum([variance for variance, _ in of_sums], axis=0).sum(axis=(0, 1))
@@ -150,7 +150,7 @@ def _p_values(
 
 
 def _tile_sums(values: Values) -> Values:
-    """Over 8 x 8 pixels; what is left at the right and the bottom is added to the last tiles."""
+    """Sums over 8 x 8 pixels; the rest at the right and the bottom is added to the last tiles."""
     rows, columns = (np.arange(0, max(size - _TILE, 0) + 1, _TILE) for size in values.shape[:2])
     summed: Values = np.add.reduceat(np.add.reduceat(values, rows, axis=0), columns, axis=1)
     return summed

@@ -29,7 +29,7 @@ _NOTHING = scene_pb2.Spectrum(values=[0.0])
 
 
 def atmosphere_surfaces(workspace: Workspace, media: Media) -> list[scene_pb2.Surface]:
-    """Return the shell and the ground; none if there is no atmosphere. What is wrong is noted."""
+    """Return the shell and the ground; none if there is no atmosphere. Problems are noted."""
     atmosphere = workspace.document.atmosphere
     if atmosphere is None:
         return []

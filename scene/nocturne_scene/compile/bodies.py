@@ -15,7 +15,7 @@ _SAMPLES = 100
 """Points of a body's boundary that are looked at, about."""
 
 _CLEARLY = 0.1
-"""Of a turn around a point, from what is clearly inside or outside: on a face it is half a turn."""
+"""Parts of a turn by which a point is clearly inside or outside: on a face it is half a turn."""
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""What is too coarse, or too far apart, for the numbers and approximations that images are made by."""
+"""Parts that are too coarse, or too far apart, for the numbers and approximations that images are made by."""
 
 import json
 from collections.abc import Iterator

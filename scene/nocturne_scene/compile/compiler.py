@@ -71,7 +71,7 @@ def compile_layers(document: SceneDocument, blobs: BlobStore, film: Film, layers
     check_can_make(layers)
     workspace = Workspace(document, blobs)
     message, scatters = _compile(workspace, film)
-    # Surfaces are seen alike in whichever way light is found.
+    # Surfaces are seen alike by every method of finding light.
     message.tracing.CopyFrom(compile_tracing(workspace, message, given_ways(document), scatters=scatters))
     return make_layers(workspace, message, film, layers)
 
@@ -123,7 +123,7 @@ def _message(workspace: Workspace, film: Film | None) -> tuple[scene_pb2.Compile
         _refuse_photons_beside_glow(workspace)
     tracing = workspace.document.tracing
     if message.media and tracing.direction == "forward" and tracing.photons_together == 4:
-        # What a meter counts on the way must not depend on where photons part behind it.
+        # A meter's count must not depend on where photons part behind it.
         told = "photons from luminaires travel alone through media; expected 1, or auto"
         workspace.problems.append(Problem("$.tracing.photons_together", told))
     if workspace.problems:
@@ -167,7 +167,7 @@ def _put_tracing(
 
 def _refuse_distant_photons(workspace: Workspace) -> None:
     """Photons of the Sun and the sky start on a ball around the scene, and would not know what media weaken
-    or scatter on their way there."""
+    or scatter before they get there."""
     workspace.photons_can_start = False
     if workspace.document.tracing.direction in ("forward", "both"):
         told = 'photons of distant light can\'t start in unbounded media; expected "adjoint"'

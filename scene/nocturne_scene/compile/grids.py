@@ -73,7 +73,7 @@ class Grids:
         return self._converted[key]
 
     def _before(self, about: NoteKey) -> _Converted | None:
-        """What was converted for an earlier scene, if it is still there."""
+        """The grid as it was converted for an earlier scene, if it is still there."""
         found = self._workspace.made_before(about)
         try:
             return None if found is None else _Converted(found[0], grid_files.facts_in(found[1]))

@@ -76,7 +76,7 @@ class Instances:
         return (name in self._numbers) + sum(copies)
 
     def _copies(self, instance: Instance) -> int:
-        """Of the group where an instance stands; of a file that can't be read it is told where it is used."""
+        """Copies of the group; a file that can't be read is reported where it is used."""
         if instance.placements is None:
             return 1
         try:
@@ -139,7 +139,7 @@ def _combined(outer: _Steps, inner: _Steps) -> _Steps:
 
 
 def _rows(step: Similarity, linear: Numbers, shifts: Numbers) -> Numbers:
-    """The 3 x 4 matrices of what is placed once more, shape (n, 3, 4)."""
+    """The 3 x 4 matrices of copies that are placed once more, shape (n, 3, 4)."""
     placed = np.concatenate([linear, shifts[:, :, None]], axis=2)
     rows = step.scale * step.rotation @ placed
     rows[:, :, 3] += step.shift

@@ -27,7 +27,7 @@ from nocturne_scene.document.kernels import (
 from nocturne_scene.spectra import indices
 from nocturne_scene.spectra.published import visible_wavelengths
 
-# Spectra are float32: what is written as 0.7 and 0.3 adds up to a little more than 1.
+# Spectra are float32: the numbers 0.7 and 0.3 add up to a little more than 1.
 _ROUNDING = 1e-6
 
 
@@ -120,7 +120,7 @@ class Leaves:
             coat_roughness=scalar(kernel.coat_roughness, ".coat_roughness"),
             coat_index=kernel.coat_index,
         )
-        # What is as ever is left out: it would cost time at every point.
+        # The default is left out: it would cost time at every point.
         if kernel.specular != 1.0 or kernel.specular_colour is not None:
             message.reflectance.amount.CopyFrom(scalar(kernel.specular, ".specular"))
         if kernel.specular_colour is not None:

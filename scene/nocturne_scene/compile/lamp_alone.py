@@ -1,4 +1,4 @@
-"""An intensity meter is made for a lamp by itself. What stands or shines outside of its sphere counts where
+"""An intensity meter is made for a lamp by itself. A body or light outside of its sphere counts where
 photons from the meter see it through the sphere; those from luminaires bring all of it that leaves the scene.
 """
 

@@ -1,6 +1,6 @@
 """Makes the layers of a render, once: nocturne-trace looks at what each pixel sees first.
 
-docs/decisions/0078: a pass of its own, so that images are the same in every bit with and without layers.
+docs/decisions/0078: a separate pass, so that images are the same in every bit with and without layers.
 """
 
 import json

@@ -72,7 +72,7 @@ class Media:
         return any(not spectra.is_black(pool[medium.scattering]) for medium in self.messages)
 
     def interior(self, interior: Interior | None, body: scene_pb2.Interior | None, place: str) -> int | None:
-        """Return the index of what is inside of a surface.
+        """Return the index of the interior of a surface.
 
         `body` is what a dielectric kernel encloses, None with other kernels. None: nothing is inside.
         """

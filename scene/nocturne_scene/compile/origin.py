@@ -27,7 +27,7 @@ _Point = NDArray[np.float64]
 
 
 def frame_of(workspace: Workspace, shapes: Shapes) -> Similarity:
-    """Return what comes after every placement: a shift to the sensor if all surfaces are that far out; to the
+    """Return the last step of every placement: a shift to the sensor if all surfaces are that far out; to the
     surfaces if they are far from both."""
     document = workspace.document
     sensor = np.array(document.sensor.position)

@@ -14,6 +14,6 @@ class CompiledOutput:
     scene_sha256: str
     dropped: list[str]
     warnings: list[RenderWarning] = field(default_factory=list)
-    """What can hardly be meant, in words with their places, and what the image may not show."""
+    """Probable mistakes, in words with their places, and light that the image may not show."""
     way: str = ""
     """How it is traced and why, in words; empty where no pilot chose."""

@@ -33,7 +33,7 @@ def compile_profile(workspace: Workspace, profile: PhotometricProfile) -> scene_
         photometry = photometric_files.scaled(photometry, profile.lumens / flux)
     horizontal, candela = photometry.horizontal, photometry.candela
     if len(horizontal) > 1:
-        # Files count anticlockwise seen from above, and the axis points down: the other way about the axis.
+        # Files count anticlockwise seen from above, and the axis points down: clockwise about the axis.
         horizontal, candela = (360 - horizontal)[::-1], candela[::-1]
     return scene_pb2.IntensityProfile(
         vertical=[math.radians(angle) for angle in photometry.vertical],
@@ -43,7 +43,7 @@ def compile_profile(workspace: Workspace, profile: PhotometricProfile) -> scene_
 
 
 def flux_behind(profile: scene_pb2.IntensityProfile, normal: Floats) -> tuple[float, float]:
-    """What goes to the side that `normal` points away from, and what goes to both, lm."""
+    """Flux to the side that `normal` points away from, and to both sides, lm."""
     vertical = (np.arange(_STEPS) + 0.5) * math.pi / _STEPS
     horizontal = (np.arange(2 * _STEPS) + 0.5) * math.pi / _STEPS
     values = np.array(profile.values).reshape(-1, len(profile.vertical))

@@ -55,7 +55,7 @@ class Shapes:
     ) -> AnyShape:
         """Return a shape at its placements; `coordinates`: its texture coordinates are needed.
 
-        `place` is where it is told of triangles that are left out. Raises Unusable and UnusableMeshError.
+        `place` is for the report of triangles that are left out. Raises Unusable and UnusableMeshError.
         """
         match shape:
             case Quad() if len(steps) == 1:

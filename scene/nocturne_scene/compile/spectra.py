@@ -86,8 +86,8 @@ def response_curve(spectrum: Spectrum) -> NDArray[np.float64]:
     """Return a sensor's further response at the wavelengths of `response`; zero beyond a table.
 
     Straight lines between these wavelengths are exact for tables with whole nm that begin and end at zero.
-    What is narrower or steeper than the grid, such as a line, keeps its integral and its centre, and becomes
-    as wide as the grid's step.
+    A part that is narrower or steeper than the grid, such as a line, keeps its integral and its centre, and
+    becomes as wide as the grid's step.
     """
     sampled = _sampled(spectrum, outside="zero")
     lines = line_spectra.projected(sampled.lines)
@@ -318,7 +318,7 @@ def _rgb(spectrum: RgbSpectrum, outside: Outside) -> _Sampled:
 
 
 def _from_table(wavelengths: NDArray[np.float64], values: NDArray[np.float64], outside: Outside) -> _Sampled:
-    """Put a table on a uniform grid, without what lies outside of FIRST to LAST."""
+    """Put a table on a uniform grid, cut to FIRST to LAST."""
     if wavelengths[-1] <= FIRST or wavelengths[0] >= LAST or len(wavelengths) == 1:
         return _unseen(wavelengths, values, outside)
     if outside == "hold" and np.all(values == values[0]):
@@ -335,7 +335,7 @@ def _from_table(wavelengths: NDArray[np.float64], values: NDArray[np.float64], o
 
 
 def _unseen(wavelengths: NDArray[np.float64], values: NDArray[np.float64], outside: Outside) -> _Sampled:
-    """A table that has no visible extent: only what it says about the outside counts."""
+    """A table that has no visible extent: only its rule for the outside counts."""
     if outside == "zero":
         return _constant(0.0)
     return _constant(float(values[-1] if wavelengths[-1] <= FIRST else values[0]))

@@ -26,7 +26,7 @@ class Surfaces:
         self._media = media
 
     def compile(self, surface: Surface, group: int, place: str) -> scene_pb2.Surface:
-        """Return a surface; what can't be compiled is noted and left out."""
+        """Return a surface; parts that can't be compiled are noted and left out."""
         message = scene_pb2.Surface(group=group)
         kernel = self._kernels.compile(surface.kernel or NullKernel(type="null"), f"{place}.kernel")
         needs_coordinates = False

@@ -22,7 +22,7 @@ def run_trace(
     words: Sequence[str],
     seconds: float,
 ) -> bytes:
-    """What the program writes when it is told `words` besides scene and film.
+    """Return the program's output for a scene, a film and further `words` of its command line.
 
     Raises OSError, and subprocess.SubprocessError where it fails or takes longer than `seconds`.
     """

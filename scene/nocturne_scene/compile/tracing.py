@@ -9,7 +9,7 @@ from nocturne_scene.compile.ways import DIRECTIONS, Ways
 from nocturne_scene.compile.workspace import Workspace
 from nocturne_scene.document.tracing import Mixture, Tracing
 
-# Part of the weight for what is aimed at, where the document does not say.
+# Part of the weight for aimed directions, where the document does not say.
 AIMED = 0.35
 
 # Interactions of a photon where the document does not say.
@@ -36,13 +36,13 @@ def compile_tracing(
 ) -> scene_pb2.Tracing:
     """Return how to trace a scene whose other parts are compiled; `scatters`: something sends light on.
 
-    `ways` are the document's, or those of a pilot for what it leaves open.
+    `ways`: the document's choices, or a pilot's where the document leaves them open.
     """
     tracing = workspace.document.tracing
     there = {
         "luminaires": bool(scene.luminaires),
         "environment": has_sky(scene),
-        # What was learned is for photons from luminaires alone.
+        # The learned light is for photons from luminaires alone.
         "important": bool(scene.important_shapes) and ways.hinted and not ways.aims,
     }
     weights = _weights(tracing.mixture, there)
@@ -80,7 +80,7 @@ def compile_tracing(
 
 
 def _weights(mixture: Mixture, there: Mapping[str, bool]) -> dict[str, float]:
-    """Weights as the document or else `Mixture` says; zero for what is not there."""
+    """Weights as the document or else `Mixture` says; zero where the scene has nothing to aim at."""
     given = {name: getattr(mixture, name) for name in there}
     if mixture.is_open:
         share = AIMED / max(1, sum(there.values()))

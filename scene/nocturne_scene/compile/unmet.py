@@ -7,16 +7,16 @@ from dataclasses import replace
 from nocturne_scene.render_warnings import RenderWarning, UnmetPart, WarningKind
 
 TOLD_ABOVE = 0.005
-"""Part of the mean that may be missing and is told: the error that most renders are asked for."""
+"""A part of the mean that may be missing and is reported: the error that most renders are asked for."""
 
 _NAMED = 5
 """Rectangles that a sentence names one by one; it counts the others, and names one around them."""
 
 _MANY = 10.0
-"""So many times what is seen, and more, are no longer said as a percentage."""
+"""From so many times the visible light on, no percentage is shown."""
 
 _PARTS = 200
-"""Rectangles of a warning, which goes with each event of its render; more are told by coarser squares."""
+"""Rectangles of a warning, which goes with each event of its render; more are reported by coarser squares."""
 
 
 def unmet_light(part: float, direction: str = "both") -> RenderWarning | None:
@@ -34,8 +34,8 @@ def unmet_light(part: float, direction: str = "both") -> RenderWarning | None:
 
 
 def unmet_parts(found: Iterable[Sequence[float]]) -> RenderWarning | None:
-    """What to say of the rectangles in which the render may miss light: left, top, width and height in
-    pixels, and what may be missing in parts of what is seen there. None where there are none.
+    """The warning of rectangles in which the render may miss light: left, top, width and height in pixels,
+    and the light that may be missing, in parts of the light there. None where there are none.
     """
     rectangles = [UnmetPart(int(x), int(y), int(w), int(h), part) for x, y, w, h, part in found]
     if not rectangles:
@@ -127,5 +127,5 @@ def _span(first: int, length: int) -> str:
 
 
 def _times(part: float) -> str:
-    """Of what is seen."""
+    """A part of the visible light, in words."""
     return f"{part:.0%}" if part < _MANY else f"{part:.0f} times"

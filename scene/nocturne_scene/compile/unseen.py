@@ -1,4 +1,4 @@
-"""Surfaces that no light can tell of: they are in no image, and only cost rays."""
+"""Surfaces without an effect on light: they are in no image, and only cost rays."""
 
 from nocturne_scene.document.kernels import Mask, NullKernel
 from nocturne_scene.document.model import SceneDocument

@@ -3,8 +3,8 @@
 A wavelength drawn from the response alone meets a line 0.1 nm wide once in a thousand photons, and then
 carries a thousand times the light: noise. So where the scene has lines narrower than `line_spectra.NARROW`,
 half of all wavelengths are drawn from the response, as without lines, and half from response times lines.
-What is not lines keeps at least half of its photons, so its noise grows by a factor of 1.4 at most, while a
-line's light becomes like any other.
+Other light keeps at least half of its photons, so its noise grows by a factor of 1.4 at most, while a line's
+light becomes like any other.
 """
 
 import numpy as np

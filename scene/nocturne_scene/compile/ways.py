@@ -1,6 +1,6 @@
-"""Which way a scene is traced where its document leaves that open: a pilot of a few samples tells.
+"""How a scene is traced where its document leaves that open: a pilot of a few samples decides.
 
-docs/decisions/0062: `nocturne-trace --pilot` traces a small part of the render's samples by each way that
+docs/decisions/0062: `nocturne-trace --pilot` traces a small part of the render's samples by each method that
 applies, and compares errors for the same cost. Costs are counted, not timed, so that the choice, like the
 image, is a function of scene, film and samples.
 """
@@ -39,13 +39,13 @@ _AIMED = 0.6
 """Part of the photons from luminaires that goes to what a person declared important (docs/decisions/0130)."""
 
 PARTS = "parts"
-"""As `nocturne-trace --pilot` takes it: the way is known, and where in the image may it miss light?"""
+"""As `nocturne-trace --pilot` takes it: the method is known; where in the image may it miss light?"""
 
 GUIDED = "guided by what was learned"
-"""In the words for a way of which that is true."""
+"""Part of the sentence about a guided method."""
 
 _WELL_KNOWN = 0.35
-"""Standard error of a gain's logarithm, up to which it is told: its 95 % interval is from half to twice."""
+"""Standard error of a gain's logarithm, up to which it is shown: its 95 % interval is from half to twice."""
 
 DIRECTIONS = {
     "adjoint": scene_pb2.DIRECTION_ADJOINT,
@@ -71,7 +71,7 @@ class Ways:
     learned_light: bytes = b""
     """Where light was found to come from, for photons from the sensor, as in CompiledScene."""
     forward_ratio: float = 1.0
-    """Photons from luminaires for each from a pixel, where they go both ways."""
+    """Photons from luminaires for each from a pixel, where both directions are traced."""
     hinted: bool = True
     """Photons from the sensor are sent towards important directions, by the weight of these."""
 
@@ -96,15 +96,15 @@ class OpenWays:
     """What a document leaves to a pilot."""
 
     names: list[str]
-    """Of what is open, as `nocturne-trace --pilot` takes them; none: no pilot is needed."""
+    """Names of the open choices, as `nocturne-trace --pilot` takes them; none: no pilot is needed."""
     default: Ways
-    """The ways where the pilot finds no better ones."""
+    """The settings where the pilot finds no better ones."""
     asked: Ways
-    """The ways to compile the pilot's scene for: all that it may choose."""
+    """The settings to compile the pilot's scene for: all that it may choose."""
 
 
 def given_ways(document: SceneDocument) -> Ways:
-    """What the document says, and without a pilot for what it leaves open."""
+    """The document's settings, with those of no pilot where it leaves them open."""
     tracing = document.tracing
     return Ways(
         "adjoint" if tracing.direction == "auto" else tracing.direction,
@@ -184,7 +184,7 @@ def choose(
     scene: scene_pb2.CompiledScene, blobs: Path, film: Film, ways: OpenWays
 ) -> tuple[Ways, str, list[RenderWarning]]:
     """The better ones; how that was found, in a sentence, empty where nothing was to be chosen; and what the
-    image may not show. `scene` is compiled for `ways.asked`.
+    image may not show. `scene` is compiled for `left_open.asked`.
 
     Without nocturne-trace, or where it fails, nothing is chosen, and the sentence says so.
     """
@@ -245,7 +245,7 @@ def _run(
 
 
 def _fault(which: str, differs_by: float) -> RenderWarning | None:
-    """What to say where a way's mean differs from another's beyond their errors; None where none does."""
+    """The warning where two methods' means differ beyond their errors; None where none do."""
     what = {"guided": "photons that are guided", "shared": "pixels that share"}.get(which)
     if what is None:
         return None

@@ -1,4 +1,4 @@
-"""What all parts of one compilation share: the document, what was made, used, dropped and found wrong."""
+"""State of one compilation: the document, made blobs, used and dropped parts, and problems."""
 
 import hashlib
 import json
@@ -67,7 +67,7 @@ class Workspace:
         self.files: dict[bytes, Path] = {}
         """The same of blobs that are too large for memory."""
         self.notes: dict[NoteKey, str] = {}
-        """To be noted in the blob store once they are written, by what they are about."""
+        """Notes by their subject, for the blob store once the blobs are written."""
         self.objects: list[str] = []
         """Of the message's surfaces, their names or places."""
         self.dropped: list[str] = []
@@ -85,7 +85,7 @@ class Workspace:
 
     @contextmanager
     def problems_at(self, place: str) -> Iterator[None]:
-        """Note what can't be used, and go on after the block."""
+        """Note a part that can't be used, and go on after the block."""
         try:
             yield
         except Unusable as error:
@@ -148,7 +148,7 @@ class Workspace:
         self.notes[about] = json.dumps([blob.hex(), facts])
 
     def found_before(self, about: NoteKey) -> Any:
-        """What was found out for an earlier scene; None if nothing was."""
+        """The facts that were noted for an earlier scene; None if there are none."""
         try:
             return json.loads(self.blobs.note(about) or "null")
         except ValueError:
@@ -156,7 +156,7 @@ class Workspace:
             return None
 
     def note_found(self, about: NoteKey, facts: Any) -> None:
-        """Note for later scenes what was found out, as JSON can hold it."""
+        """Note facts for later scenes, in a form that JSON can hold."""
         self.notes[about] = json.dumps(facts)
 
     def write_blobs(self) -> None:

@@ -48,7 +48,7 @@ def group_problems(document: SceneDocument) -> Iterator[Problem]:
 
 
 class _Inside(NamedTuple):
-    """What is in a kernel, names followed."""
+    """The contents of a kernel, names followed."""
 
     depth: int
     dielectric: bool

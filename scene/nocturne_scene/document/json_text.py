@@ -89,7 +89,7 @@ def _is_suspicious(root: Any) -> bool:
 
 
 def _structural_problems(root: Any) -> Iterator[Problem]:
-    """Walk all containers without recursion; what is too deep is not entered."""
+    """Walk all containers without recursion; those that are too deep are not entered."""
     waiting: list[tuple[tuple[str | int, ...], Any]] = [((), root)]
     while waiting:
         steps, value = waiting.pop()

@@ -151,8 +151,8 @@ class ConstantEnvironment(Node):
 class EnvironmentMap(Node):
     """Light from infinitely far away, from an image of all directions (latitude and longitude).
 
-    The image's rows go from `up` to its opposite; its middle column is `forward`, and to the right of that is
-    what is to the right for someone who looks along `forward` with `up` upwards. It is resampled to rows of
+    The image's rows go from `up` to its opposite; its middle column is `forward`, and its right half
+    is to the right of someone who looks along `forward` with `up` upwards. It is resampled to rows of
     equal steps of height (an equal-area cylindrical map).
     """
 

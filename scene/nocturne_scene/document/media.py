@@ -272,7 +272,7 @@ _Preset = Annotated[
 class Medium(Node):
     """What fills space and is hit by chance: fog, smoke, air, milk.
 
-    What it does to light comes from one of three: `absorption` and `scattering`, a `preset`, or `droplets`.
+    Its effect on light comes from one of three: `absorption` and `scattering`, a `preset`, or `droplets`.
     Coefficients are per metre where the density is 1; spectra of any kind but those of light.
     """
 

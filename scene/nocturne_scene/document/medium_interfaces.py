@@ -1,4 +1,4 @@
-"""What is inside of surfaces and around everything, as written in a scene document."""
+"""Media inside of surfaces and around everything, as written in a scene document."""
 
 from typing import Annotated
 
@@ -28,7 +28,7 @@ class Interior(Node):
     """What fills the body that a closed surface encloses, on the side that the normal points away from.
 
     With a dielectric kernel, the media fill that body. With any other kernel, or none, the body has the index
-    of refraction of what is around it: its boundary is not seen, unless the kernel is. Such bodies overlap
+    of refraction of its surroundings: its boundary is not seen, unless the kernel is. Such bodies overlap
     each other freely, and their media add up; a dielectric body keeps out those of no higher priority.
     """
 

@@ -146,12 +146,12 @@ radiance W m⁻² sr⁻¹ nm⁻¹; the image is in absolute units, its Y in cd/m
 is not part of a scene.
 
 Fields that this page does not name are errors, as are repeated keys, NaN and numbers out of range. An error
-names its place, such as `$.surfaces[3].kernel.reflectance`, and what is expected there. The same schema as
+names its place, such as `$.surfaces[3].kernel.reflectance`, and the expected value. The same schema as
 JSON Schema: [scene.schema.json](scene.schema.json).
 
-A document is compiled to what it uses: spectra, kernels and media that nothing refers to, triangles without
-an area, surfaces that all light passes, luminaires without visible light and motions that move nothing are
-left out, and the compiler says so. How to put media into a scene, with an example:
+Only used parts of a document are compiled: spectra, kernels and media that nothing refers to, triangles
+without an area, surfaces that all light passes, luminaires without visible light and motions that move
+nothing are left out, and the compiler says so. How to put media into a scene, with an example:
 [media.md](../how-to/media.md).
 
 ```json

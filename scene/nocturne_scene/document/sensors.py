@@ -146,7 +146,7 @@ class Orthographic(_Sensor):
 
     type: Literal["orthographic"]
     height: PositiveLength = Field(
-        description="Height of what is seen, m; the width follows from the image's shape."
+        description="Height of the visible area, m; the width follows from the image's shape."
     )
 
 
@@ -219,7 +219,7 @@ class IntensityMeter(_AnySensor):
     """The luminous intensity of a lamp in all directions, far away from it: Y is in cd.
 
     Columns are equal steps of the horizontal angle from 0 to 360 degrees, rows equal steps of the vertical
-    angle from `axis` (0) to its opposite (180). The lamp is all that is inside a sphere; what is outside
+    angle from `axis` (0) to its opposite (180). The lamp is all that is inside a sphere; a body outside
     counts where it is seen through the sphere, with a warning. `nocturne ies` writes the image as a
     photometric file, which a luminaire's profile can be.
     """

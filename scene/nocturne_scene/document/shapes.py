@@ -202,7 +202,7 @@ class Box(Node):
 class MediumBox(Node):
     """The box around what a medium's grid holds, with room for its linear interpolation.
 
-    It stands as the grid stands, so it has no placement of its own, and no place in a group. Its normals
+    It stands as the grid stands, so it has no separate placement, and no place in a group. Its normals
     point outwards.
     """
 

@@ -1,4 +1,4 @@
-"""Whether a spectrum is fit for what it is used for."""
+"""Whether a spectrum is fit for its use."""
 
 from collections.abc import Iterator
 

@@ -17,7 +17,7 @@ from nocturne_scene.document.textures import BumpMap, NormalMap
 
 
 class Surface(Moving):
-    """A shape, where it stands, what it is made of and whether it emits.
+    """A shape with its placement, its material and its emission.
 
     `scale` comes first, then `rotate`, then `translate`.
     """
@@ -29,7 +29,7 @@ class Surface(Moving):
         description="How the surface scatters light: a name from `$.kernels` or a kernel. Without one, and "
         "with an interior, it is the boundary of media, and not seen.",
     )
-    interior: Interior | None = Field(default=None, description="Media that fill what it encloses.")
+    interior: Interior | None = Field(default=None, description="Media that fill the enclosed space.")
     luminaire: Luminaire | None = Field(default=None, description="Present if the surface emits light.")
     normal_map: NormalMap | None = Field(default=None, description="Shading normals from a texture.")
     bump_map: BumpMap | None = Field(default=None, description="Shading normals from a texture of heights.")

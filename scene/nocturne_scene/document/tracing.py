@@ -12,10 +12,10 @@ _Weight = Annotated[NotNegative, Field(le=1e6)]
 
 
 class Mixture(Node):
-    """Weights of the ways to choose a direction; scaled so that they sum to 1.
+    """Weights of the techniques for choosing a direction; scaled so that they sum to 1.
 
     The weights change the noise and not the image, as long as `kernel` or `uniform` is more than 0: without
-    both, light that other surfaces scatter is lost. A way with weight 0 is never used, nor is one that the
+    both, light that other surfaces scatter is lost. One with weight 0 is never used, nor is one that the
     scene has nothing for. If none of `luminaires`, `environment` and `important` is given, those that the
     scene has share 0.35 in equal parts; if some are given, the others are 0.
     """
@@ -27,8 +27,8 @@ class Mixture(Node):
     )
     important: _Weight | None = Field(
         default=None,
-        description="Towards `$.important_directions`. Where no weight is given, photons that go both ways "
-        "may leave this out.",
+        description="Towards `$.important_directions`. Where no weight is given and both directions are "
+        "traced, this may be left out.",
     )
     uniform: _Weight = Field(
         default=0.0, description="Uniformly over the directions that the surface scatters to."
@@ -36,7 +36,7 @@ class Mixture(Node):
 
     @property
     def is_open(self) -> bool:
-        """What is aimed at has no weights that a person gave."""
+        """Whether the document gives no weights of aimed directions."""
         return self.luminaires is None and self.environment is None and self.important is None
 
     @model_validator(mode="after")
@@ -65,15 +65,15 @@ class Tracing(Node):
     )
     maximum_depth: Annotated[int, Field(strict=True, ge=1, le=bounds.DEPTH)] | None = Field(
         default=None,
-        description="Interactions with surfaces and media after which a photon is absorbed; what it passes "
-        "straight through, as a pane or a mask, does not count. Default: no limit; "
+        description="Interactions with surfaces and media after which a photon is absorbed; a straight "
+        "passage through a pane or a mask does not count. Default: no limit; "
         "a photon ends by leaving, or by roulette once absorption has made it light.",
     )
     estimator: Literal["two_photons", "mixture", "split"] = Field(
         default="two_photons",
-        description="What goes on from a vertex: two photons, one from the kernel and one towards luminaires "
+        description="Photons that leave a vertex: two, one from the kernel and one towards luminaires "
         "or important directions that ends on the first ordinary surface; or one, drawn from the mixture; or "
-        "one of each way at the first vertices, with power-heuristic weights.",
+        "one of each kind at the first vertices, with power-heuristic weights.",
     )
     split_vertices: Annotated[int, Field(strict=True, ge=1, le=bounds.SPLIT_VERTICES)] = Field(
         default=1, description='At how many vertices the estimator `"split"` splits.'

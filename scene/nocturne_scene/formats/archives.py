@@ -15,7 +15,7 @@ MAX_BYTES = 4 * 2**30
 
 _PIECE_BYTES = 2**20
 
-# Of a file in which names of others are looked for, and how many are told.
+# Bytes of a file in which names of others are looked for, and how many names are shown.
 _TEXT_BYTES = 16 * 2**20
 _TOLD = 8
 

@@ -31,9 +31,9 @@ class Exported:
 
     scene: Path
     notes: list[str]
-    """In which small ways the other renderer's image will differ."""
+    """Small differences of the other renderer's image."""
     missing: list[Problem]
-    """What has no equal there; empty unless that was allowed."""
+    """Parts without a counterpart there; empty unless that was allowed."""
 
 
 def export_scene(
@@ -48,7 +48,7 @@ def export_scene(
     """Make `folder`, which must not exist or be empty, with the scene for a renderer of `FORMATS`.
 
     `blobs` holds the files that the document names. Raises InputError: the document is wrong, or (without
-    `allow_missing`) something in it has no equal there; then nothing is left behind.
+    `allow_missing`) something in it has no counterpart there; then nothing is left behind.
     """
     if renderer not in FORMATS:
         raise InputError.at(renderer, f"expected one of {', '.join(FORMATS)}")

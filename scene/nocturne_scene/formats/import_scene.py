@@ -72,9 +72,9 @@ def import_scene(file: Path, folder: Path, options: ImportOptions) -> Imported:
     """Make `folder`, which must not exist or be empty, with the scene that `file` describes or, a ZIP
     archive, holds.
 
-    Raises Incomplete: the folder is there, but (without `allow_missing`) something in the file has no equal
-    here, or the document is one that can't be rendered. Raises InputError for a file that can't be imported
-    at all; then nothing is left behind.
+    Raises Incomplete: the folder is there, but (without `allow_missing`) something in the file has no
+    counterpart here, or the document is one that can't be rendered. Raises InputError for a file that can't
+    be imported at all; then nothing is left behind.
     """
     if not file.is_file():
         raise InputError.at(str(file), "no such file")
@@ -142,7 +142,7 @@ def _read(
         writer.leave_out_unseen(findings)
         light_up(writer, findings, options.light)
     except InputError as error:
-        # What was lost before is why, more often than not.
+        # Earlier losses are the cause, more often than not.
         raise InputError([*findings.losses, *error.problems][:SHOWN]) from None
 
 

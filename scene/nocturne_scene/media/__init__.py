@@ -1,1 +1,1 @@
-"""What is known of fog, milk, air, skin and smoke: presets, Mie and Rayleigh scattering, density grids."""
+"""Published fog, milk, air, skin and smoke: presets, Mie and Rayleigh scattering, density grids."""

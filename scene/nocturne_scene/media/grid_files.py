@@ -1,4 +1,4 @@
-"""Grids of OpenVDB files, by way of the program `nocturne-grid`."""
+"""Grids of OpenVDB files, read and written by the program `nocturne-grid`."""
 
 import hashlib
 import json
@@ -28,7 +28,7 @@ class UnusableGridError(Exception):
 
 @dataclass(frozen=True)
 class GridFacts:
-    """What is known of a grid without looking values up."""
+    """Facts about a grid, without its values."""
 
     first_voxel: _Voxel
     last_voxel: _Voxel
@@ -48,7 +48,7 @@ class DenseGrid:
     """By x, y, z."""
     first_voxel: _Voxel
     background: float
-    """What is beyond."""
+    """The value beyond them."""
     transform: NDArray[np.float64]
     """The 3 x 4 matrix from voxel centres to the grid's own space."""
 
@@ -72,7 +72,7 @@ def facts_in(text: str) -> GridFacts:
 
 
 def dense(source: Path, most_voxels: int) -> DenseGrid:
-    """Return what is in a file of `convert`. Raises UnusableGridError, also where it has more voxels."""
+    """Return the values in a file of `convert`. Raises UnusableGridError, also where it has more voxels."""
     with tempfile.TemporaryDirectory() as folder:
         output = Path(folder) / "values.f32"
         found = json.loads(_run("values", source, "--max-voxels", str(most_voxels), "-o", output))

@@ -3,7 +3,7 @@
 C. F. Bohren and D. R. Huffman, "Absorption and scattering of light by small particles", Wiley 1983, equations
 4.46, 4.47, 4.61, 4.62, 4.74 and 4.88.
 
-What was computed is kept in the user's cache folder, named by all that it depends on.
+Results are kept in the user's cache folder, named by all that they depend on.
 """
 
 import hashlib
@@ -39,7 +39,7 @@ _TOLERANCE = 0.01
 _FIRST_ANGLES = 360
 _MAX_COSINES = 6000
 
-# Part of the name of what is kept: raised when the same distribution gives other numbers.
+# Part of the name of kept results: raised when the same distribution gives other numbers.
 _VERSION = 2
 
 

@@ -15,7 +15,7 @@ from nocturne_scene.meshes.headers import UnusableMeshError, check_counts, check
 from nocturne_scene.meshes.plain_text import plain_text
 from nocturne_scene.meshes.triangles import Triangles, check_indices, merge
 
-# The loaders tell of ignored materials and other matters that are no concern of whoever sent the file.
+# The loaders log ignored materials and other matters that are no concern of whoever sent the file.
 logging.getLogger("trimesh").setLevel(logging.ERROR)
 
 
@@ -86,7 +86,7 @@ def _load(file: BinaryIO, file_format: MeshFormat) -> trimesh.Scene:
 
 
 def _words_of(error: Exception) -> str:
-    """What the loader means; what it says of its own variables and indices helps no one."""
+    """The meaning of the loader's error, without names of its variables and indices."""
     if isinstance(error, IndexError):
         return "a number in it points beyond what there is"
     if isinstance(error, ValueError | FileNotFoundError):

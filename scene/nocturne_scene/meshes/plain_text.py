@@ -96,5 +96,5 @@ def _as_lines(file: BinaryIO, *, lower: bool = False) -> BinaryIO:
 
 
 def _temporary() -> BinaryIO:
-    # With a name, which loaders take for that of what is in it.
+    # With a name, which loaders show as that of the mesh.
     return cast(BinaryIO, tempfile.NamedTemporaryFile(suffix="-mesh"))

@@ -27,7 +27,7 @@ class Similarity:
         return np.asarray(directions @ self.rotation.T, dtype=np.float64)
 
     def after(self, first: "Similarity") -> "Similarity":
-        """Return what does `first` and then this."""
+        """Return the similarity that does `first` and then this."""
         return Similarity(self.scale * first.scale, self.rotation @ first.rotation, self.points(first.shift))
 
     def rows(self) -> NDArray[np.float64]:

@@ -46,7 +46,7 @@ def disc_mesh(disc: Disc) -> Triangles:
 
 
 def box_mesh(box: Box) -> Triangles:
-    """Return six faces with normals outwards, each with texture coordinates of its own."""
+    """Return six faces with normals outwards, each with its own texture coordinates."""
     vertices, indices = [], []
     for axis, high in itertools.product(range(3), (False, True)):
         u, v = (axis + 1) % 3, (axis + 2) % 3

@@ -1,8 +1,7 @@
 """EULUMDAT files, read: one value on each line, in a fixed order (A. W. Stockmar, Licht, 1990).
 
 Intensities are in cd per 1000 lm of the lamps over gamma from straight down and planes C about that; C is the
-horizontal angle here, which increases the same way. Of several sets of lamps, of which one is put in, the
-first one is taken.
+horizontal angle here, which increases in the same sense. The first of several sets of lamps is taken.
 """
 
 from collections.abc import Sequence
@@ -38,7 +37,7 @@ def is_eulumdat(lines: Sequence[str]) -> bool:
 
 
 def read(lines: Sequence[str]) -> Photometry:
-    """Read a file's lines; raises BadPhotometryError. What is symmetric is mirrored to all directions."""
+    """Read a file's lines; raises BadPhotometryError. Symmetric parts are mirrored to all directions."""
     file = _Lines(lines)
     symmetry = file.whole(3, "the symmetry", 0, 4)
     planes = file.whole(4, "the number of C-planes", 1, MAX_ANGLES)

@@ -1,4 +1,4 @@
-"""Photometric files of any kind that is read: IES LM-63 and EULUMDAT, told apart by what is in them."""
+"""Photometric files of any kind that is read: IES LM-63 and EULUMDAT, distinguished by their content."""
 
 from nocturne_scene.photometry import eulumdat, ies
 from nocturne_scene.photometry.ies import Photometry

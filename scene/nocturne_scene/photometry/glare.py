@@ -90,7 +90,7 @@ class Glare:
     dgp_sources: tuple[GlareSource, ...]
     """Of DGP; those that count most first."""
     notes: tuple[str, ...]
-    """What is outside of the range for which a formula was made, and what else makes a rating uncertain."""
+    """Values outside of the range for which a formula was made, and other causes of uncertainty."""
 
 
 def glare_of(
@@ -163,7 +163,7 @@ def position_index(right: Values, up: Values, forward: Values) -> Values:
 
 
 def _turned(seen: PixelDirections, view: View) -> PixelDirections:
-    """As the eye sees them: its line of sight forward. What is behind has no solid angle."""
+    """As the eye sees them: its line of sight forward. Pixels behind it have no solid angle."""
     azimuth, elevation = np.deg2rad([view.azimuth_degrees, view.elevation_degrees])
     right, up, forward = np.moveaxis(seen.direction, -1, 0)
     ahead = np.sin(azimuth) * right + np.cos(azimuth) * forward

@@ -1,7 +1,7 @@
 """What glares in an image: connected pixels, by a luminance or by the part of each that luminaires fill.
 
-Of a pixel at a luminaire's edge, only a part is the luminaire's solid angle, and only what is above that of
-the background its light; as a whole pixel it would make the source larger and darker. A rating goes by L_s^2
+Of a pixel at a luminaire's edge, only a part is the luminaire's solid angle, and only the luminance above the
+background's is its light; as a whole pixel it would make the source larger and darker. A rating goes by L_s^2
 w_s, so that far luminaires of few pixels would lose units.
 """
 
@@ -148,7 +148,7 @@ def _connected(within: Mask, wraps: bool) -> tuple[Labels, int]:
             if one and other:
                 names[names == names[other]] = names[one]
         kept, labels = np.unique(names[labels], return_inverse=True)
-        # 0 stays what it is where anything is dark.
+        # 0 stays 0 where anything is dark.
         labels = labels.reshape(within.shape) + (0 if kept[0] == 0 else 1)
         count = int(labels.max())
     return labels, int(count)

@@ -129,7 +129,7 @@ def scaled(photometry: Photometry, factor: float) -> Photometry:
 
 
 def _sine_weights(theta: Floats) -> Floats:
-    """Weights that integrate what is linear between angles against sin(theta), exactly."""
+    """Weights that integrate a function that is linear between angles against sin(theta), exactly."""
     a, b = theta[:-1], theta[1:]
     width = b - a
     # Integrals of sin, and of (theta - a) / width times sin.

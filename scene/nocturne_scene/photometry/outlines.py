@@ -2,7 +2,7 @@
 
 Coordinates are pixels from the film's upper left corner, x to the right and y down: the pixel in column i and
 row j covers [i, i + 1) times [j, j + 1). Rectangles and polygons have the pixels whose centres they hold; a
-line has the pixels on its way.
+line has the pixels that it crosses.
 """
 
 import math

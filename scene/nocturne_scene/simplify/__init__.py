@@ -1,1 +1,1 @@
-"""What a scene needs: its document with one part less, what that does to the image, what is cheapest."""
+"""A scene's needs: its document with one part less, the effect on the image, the cheapest model."""

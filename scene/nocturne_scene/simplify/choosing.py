@@ -36,7 +36,7 @@ class Model:
 
     @property
     def exact(self) -> bool:
-        """Whether it makes the same image by theory, so that what was measured of its bias is chance."""
+        """Whether it makes the same image by theory, so that its measured bias is chance."""
         return all(part.exact for part in self.parts)
 
     @property

@@ -1,4 +1,4 @@
-"""Small renders of models of a scene on this machine: what simplifying it does, and what it saves."""
+"""Small renders of models of a scene on this machine: the effects and savings of simplifications."""
 
 import json
 import subprocess

@@ -1,4 +1,4 @@
-"""What was found, for programs."""
+"""The results of a preflight, for programs."""
 
 from math import isfinite
 from typing import Any

@@ -22,7 +22,7 @@ _MAX_SAMPLES = 2**16
 _TRIES = 6
 
 Say = Callable[[str, int], Callable[[], None]]
-"""Called with what is done and the number of its steps; gives what is called after each step."""
+"""Called with the name of a task and the number of its steps; returns a function to call after each step."""
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class Request:
 
 @dataclass(frozen=True)
 class Preflight:
-    """What was found."""
+    """The results."""
 
     request: Request
     film: tuple[int, int]
@@ -51,7 +51,7 @@ class Preflight:
     samples: int
     """Of each of its renders."""
     cpu_s: float
-    """What it took."""
+    """Processor time of the search."""
     full: Model
     models: list[Model]
     """Each with one simplification."""
@@ -80,11 +80,11 @@ class Preflight:
 
 
 def run_preflight(request: Request, document: Document, folder: Path, say: Say) -> Preflight:
-    """Run the pilot of a scene document. `folder` holds the scene's files in `blobs`, and takes what is made.
+    """Run the pilot of a scene document. `folder` holds the scene's files in `blobs`, and takes the results.
 
     Raises InputError and PilotFailed.
     """
-    # What is wrong with the film is told before the work.
+    # A wrong film is reported before the work.
     make_schedule(request.width, request.height, 1)
     return _Search(request, document, folder, say).run()
 
@@ -96,7 +96,7 @@ def pilot_film(width: int, height: int, edge: int) -> tuple[int, int]:
 
 
 class _Search:
-    """One pilot: all simplifications alone, then several at once, then what was chosen once more."""
+    """One pilot: all simplifications alone, then several at once, then the chosen ones once more."""
 
     def __init__(self, request: Request, document: Document, folder: Path, say: Say) -> None:
         self._request, self._say = request, say
@@ -143,7 +143,7 @@ class _Search:
         """
         full, _, _ = self._measure("how noisy it is", [], CONFIDENCE)
         seen = resolvable(full.noise / _FIRST_SAMPLES, RENDERS, self._pilot.pixels, CONFIDENCE)
-        # What is seen of a bias goes as the root of the noise, so as one over the root of the samples.
+        # The visible bias goes as the root of the noise, so as one over the root of the samples.
         wanted = _FIRST_SAMPLES * (seen / (self._request.error / 2)) ** 2
         # A half more than the models alone take: for several simplifications at once, and for confirmation.
         per_sample = 1.5 * RENDERS * (models + 1) * full.seconds * self._pilot.pixels
@@ -178,7 +178,7 @@ class _Search:
         """The last of the models that meets the target with new seeds too.
 
         Which were tried was decided by measuring; this was not, so chance that helped there does not help
-        here. Each of several attempts gets its part of what may go wrong.
+        here. Each of several attempts gets its part of the chance of error.
         """
         confidence = 1 - (1 - CONFIDENCE) / max(1, len(steps))
         for model in reversed(steps):

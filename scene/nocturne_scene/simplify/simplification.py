@@ -21,7 +21,7 @@ class Simplification:
     edit: Callable[[Document], None]
     """Changes a document in place; does nothing to one that has no such part."""
     exact: bool = False
-    """Whether theory says that the image stays the same: only another way to trace it."""
+    """Whether theory says that the image stays the same: only the tracing differs."""
     kind: str = ""
     """Of those of the same kind a model has one at most; empty: any number."""
 

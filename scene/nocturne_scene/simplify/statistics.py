@@ -2,9 +2,9 @@
 
 The full model and a simpler one are rendered R times each, the r-th time with the same seed, the R seeds
 being independent. Only the independence of the R pairs is used: common seeds make the differences less noisy
-where photons go the same ways, and do no harm where they don't.
+where photons take the same paths, and do no harm where they don't.
 
-All errors are relative in the way of the stop condition `relative error`: squares over F^2 + 0.01 M^2, where
+All errors are relative as in the stop condition `relative error`: squares over F^2 + 0.01 M^2, where
 F is a pixel of the full model's image and M its mean.
 """
 
@@ -44,7 +44,7 @@ class Bias:
 
     @property
     def largest(self) -> float:
-        """What it is at most, with the confidence of the intervals."""
+        """The largest bias, with the confidence of the intervals."""
         return max(self.local.high, abs(self.mean.low), abs(self.mean.high))
 
 

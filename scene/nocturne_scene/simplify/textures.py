@@ -83,7 +83,7 @@ def _mean_of_scalar(use: Document, document: Document, find: Find) -> float:
 
 
 def _mean_of_colour(use: Document, document: Document, find: Find) -> Any:
-    """A spectrum. What has no equal in one stays a texture: colours times a spectrum that is not 1."""
+    """A spectrum; a texture where no spectrum has the same mean: colours times a spectrum that is not 1."""
     texels = _texels(use, document, find, None)
     spectrum = use.get("spectrum", 1.0)
     if isinstance(spectrum, str):

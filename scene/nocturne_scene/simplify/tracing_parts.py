@@ -1,4 +1,4 @@
-"""Documents that are traced in simpler ways: shorter paths, and fewer techniques."""
+"""Documents that are traced more simply: shorter paths, and fewer techniques."""
 
 from collections.abc import Iterator
 from functools import partial

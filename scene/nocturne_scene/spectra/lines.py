@@ -95,7 +95,7 @@ def wavelength_density(
 
     `response` has one weight for each of `visible_wavelengths`, such as the sum of the response curves. A
     part 1 - `share` of the density is in proportion to the response alone, so that nothing is ever missed
-    and a weight is at most 1 / (1 - share) of what it is without lines. The rest goes in equal parts to the
+    and a weight is at most 1 / (1 - share) of its value without lines. The rest goes in equal parts to the
     spectra whose lines are given and reach the sensor at all, as nobody knows yet which of them a pixel sees;
     each in proportion to response times lines, for which a line's photons then all weigh the same. Knots are
     the response's, and the feet and the centre of each line; of more than DENSITY_LINES the strongest count.

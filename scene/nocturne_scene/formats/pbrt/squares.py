@@ -61,7 +61,7 @@ def illuminance(pixels: NDArray[np.float32]) -> float:
     """lx of what faces +z under a square picture whose white has 1 cd/m2, as pbrt-v4 counts it.
 
     It takes 2 pi over the pixels' number for a pixel's solid angle (Light::Create in lights.cpp), half of
-    what it is: a sky of that "illuminance" gives twice as much.
+    the true one: a sky of that "illuminance" gives twice as much.
     """
     rows, columns = pixels.shape[:2]
     u, v = np.meshgrid((np.arange(columns) + 0.5) / columns, (np.arange(rows) + 0.5) / rows)

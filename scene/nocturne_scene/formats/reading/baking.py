@@ -20,7 +20,7 @@ LOOKUP = {"wrap": "clamp", "sharp": True}
 
 
 def bake(mesh: Triangles, corners: _Array, name: str) -> tuple[Triangles, _Array]:
-    """Return a mesh with coordinates of its own, and the picture for them.
+    """Return a mesh with new coordinates, and the picture for them.
 
     `corners`: what to show at the corners of each triangle, shape (triangles, 3, channels).
     """

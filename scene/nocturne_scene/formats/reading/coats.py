@@ -86,5 +86,5 @@ def _mean(values: NDArray[np.float64]) -> float:
 
 
 def _inside(outer: float, index: float) -> float:
-    """What is reflected inside, of what is outside: as much light is let through both ways."""
+    """The reflectance inside, from that outside: as much light is let through in both directions."""
     return 1 - (1 - outer) / index**2

@@ -43,10 +43,10 @@ class Extent:
         return float(np.linalg.norm(self.highest - self.lowest))
 
     def lamp_radius(self, place: Points) -> float:
-        """Metres: a thousandth of the diagonal; where the next shape is near, a hundredth of the way to it.
+        """Metres: a thousandth of the diagonal; where the next shape is near, a hundredth of its distance.
 
         A shape whose box holds the lamp, such as a room, does not count. Without the second rule a floor as
-        far as the horizon would make lamps that swallow what they light.
+        far as the horizon would make lamps that swallow the bodies around them.
         """
         if self.is_empty or not self.diagonal > 0:
             return _OF_DIAGONAL

@@ -1,4 +1,4 @@
-"""What an import changed, and what it could not carry over."""
+"""Changes that an import made, and parts that it could not carry over."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -29,14 +29,14 @@ class Findings:
         self._more_lost = 0
 
     def note(self, place: str, message: str) -> None:
-        """Something is expressed in another way, or does not matter; `place` may be empty."""
+        """Note a different form, or a part that does not matter; `place` may be empty."""
         if len(self._notes) < _KEPT:
             self._notes[str(Problem(place, message))] = None
         else:
             self._more_notes += 1
 
     def lost(self, place: str, message: str) -> None:
-        """Something has no equal here, so that the image will differ."""
+        """Report a part without a counterpart here, so that the image will differ."""
         self._lose(Problem(place, message))
 
     def _lose(self, problem: Problem) -> None:
@@ -58,7 +58,7 @@ class Findings:
         return [*self._lost, *more]
 
     def refuse_losses(self) -> None:
-        """Raise InputError with what was lost, if anything was."""
+        """Raise InputError with the losses, if there are any."""
         if self._lost:
             raise InputError(self.losses[:SHOWN])
 

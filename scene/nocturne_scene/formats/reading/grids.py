@@ -45,7 +45,7 @@ class Grid:
 def density(writer: SceneWriter, grid: Grid, factor: float, place: str, *, times: Grid | None = None) -> Json:
     """Write a grid and return the density that it is, multiplied with another one that fills the same box.
 
-    Raises InputError where it has no equal.
+    Raises InputError where it has no counterpart.
     """
     if times is not None and not np.allclose(grid.to_world, times.to_world, rtol=1e-5):
         raise InputError.at(place, "grids of one medium in different boxes have no equal")

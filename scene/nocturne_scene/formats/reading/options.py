@@ -25,7 +25,7 @@ class ImportOptions:
     time: float | None = None
     """Seconds into the scene's animation; None: everything as at rest."""
     allow_missing: bool = False
-    """Write the scene although something in it has no equal here."""
+    """Write the scene although something in it has no counterpart here."""
 
 
 @dataclass(frozen=True)
@@ -35,6 +35,6 @@ class Imported:
     document: Path
     film: FilmSettings
     notes: list[str]
-    """What is expressed in another way."""
+    """Parts whose form is different here."""
     missing: list[Problem]
-    """What has no equal here; empty unless that was allowed."""
+    """Parts without a counterpart here; empty unless that was allowed."""

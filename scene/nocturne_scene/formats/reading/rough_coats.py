@@ -30,12 +30,12 @@ class Facets:
     def means(self, cosine: Array, index: float) -> tuple[Array, Array, Array]:
         """Of light that comes at such cosines (positive): over the facets that it sees.
 
-        Returns what they reflect; how much of that passes the other facets; and how much of the
+        Returns the reflected part; how much of that passes the other facets; and how much of the
         refracted light does. `index`: behind the surface, relative to before it.
         """
         nodes, weights = unit_interval(_NODES)
         # Facets are seen by D(m) G1 (w . m) / w.z. As many of them lie beyond a slope as s^2: its square root
-        # makes a smooth function of what is integrated.
+        # makes the integrand a smooth function.
         s, u = nodes[:, None], nodes[None, :]
         alpha = max(self.alpha, _LEAST)
         slope = alpha * (np.sqrt(1 - s**2) / s if self.distribution == "ggx" else np.sqrt(-2 * np.log(s)))

@@ -9,7 +9,7 @@ from nocturne_scene.document import bounds
 from nocturne_scene.errors import InputError
 from nocturne_scene.texts import text_of
 
-# Bytes of a file that is read as text. Geometry and pictures have bounds of their own.
+# Bytes of a file that is read as text. Geometry and pictures have other bounds.
 TEXT_BYTES = 64 * 2**20
 
 
@@ -67,7 +67,7 @@ class SceneFiles:
 
 
 def _in_other_letters(folder: Path, name: str) -> list[Path]:
-    """What has the parts of a name in capitals or small letters, in the order of the names."""
+    """Files whose path has the parts of a name in capitals or small letters, in the order of the names."""
     found = [folder]
     for part in Path(name).parts:
         if part == "..":

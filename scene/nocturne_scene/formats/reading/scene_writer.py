@@ -43,7 +43,7 @@ class FilmSettings:
 
 @dataclass
 class SceneWriter:
-    """A scene under way; files go below `folder` as they are made."""
+    """A scene in progress; files go below `folder` as they are made."""
 
     folder: Path
     document: dict[str, Json] = field(default_factory=lambda: {"nocturne": 1})
@@ -134,7 +134,7 @@ class SceneWriter:
                 surfaces[:] = seen
 
     def finish(self) -> tuple[Problem, ...]:
-        """Write the document and return what is wrong with it. Raises InputError for one that is no JSON."""
+        """Write the document and return its problems. Raises InputError for one that is no JSON."""
         problems: tuple[Problem, ...] = ()
         try:
             check_document(self.document)

@@ -40,13 +40,13 @@ def rotation(axis: Sequence[float], degrees: float) -> Matrix:
 
 
 def inverse(matrix: Matrix) -> Matrix:
-    """The way back."""
+    """The inverse matrix."""
     return np.asarray(np.linalg.inv(matrix), dtype=np.float64)
 
 
 EVEN = 1e-4
-"""How far squares of lengths may be apart, relatively, in what is scaled evenly: matrices of six decimals are
-not exact."""
+"""Relative difference of squared lengths up to which a scale counts as even: matrices of six decimals are not
+exact."""
 
 
 def similarity(matrix: Matrix) -> float | None:

@@ -14,7 +14,7 @@ class Halves:
 
     weight: scene_pb2.Scalar
     weighed: list[Part]
-    """What is there with `weight`."""
+    """The parts that are there with `weight`."""
     rest: list[Part]
 
 

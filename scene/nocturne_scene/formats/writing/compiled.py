@@ -1,4 +1,4 @@
-"""A compiled scene as exporters read it: tables, triangles, pictures, and what is inside of bodies.
+"""A compiled scene as exporters read it: tables, triangles, pictures, and the contents of bodies.
 
 Exporters read the compiled scene and not the document, so that both renderers get the same tables, matrices
 and triangles.
@@ -37,7 +37,7 @@ class Body:
     """What a closed surface encloses."""
 
     index: Table | None
-    """None: that of what is around."""
+    """None: that of the surroundings."""
     media: tuple[Medium, ...]
 
     @property

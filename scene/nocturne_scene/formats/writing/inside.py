@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from nocturne_scene.meshes.triangles import Triangles
 
-# No edge of a scene made by people points this way.
+# No edge of a scene made by people has this direction.
 _ASKEW = np.array([0.4802871, 0.6120413, 0.6282357])
 
 

@@ -28,7 +28,7 @@ def latitudes_with_poles(texels: Array) -> Array:
     """
     rows, columns = texels.shape[:2]
     finer = max(1, min(_FINEST, int(np.sqrt(_MAX_PIXELS / (rows * columns)))))
-    # A row is the mean of what is nearer to it than to its neighbours.
+    # A row is the mean of the places that are nearer to it than to its neighbours.
     parts = (np.arange(_PARTS) + 0.5) / _PARTS - 0.5
     steps = np.clip(np.arange(finer * rows + 1)[:, None] + parts, 0, finer * rows)
     row = (rows * (1 - np.cos(np.pi * steps / (finer * rows))) / 2).astype(int)

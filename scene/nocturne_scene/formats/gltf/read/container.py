@@ -237,7 +237,7 @@ def number(container: Container, entry: Json, key: str, default: float, place: s
 
 
 def unused_extensions(entry: Json, known: tuple[str, ...], findings: Findings, place: str) -> None:
-    """Tell of extensions of an object that have no equal."""
+    """Report extensions of an object that have no counterpart."""
     for name in value(entry, "extensions", {}):
         if name not in known:
             findings.lost(place, f"no equal of the extension {name}")

@@ -1,4 +1,4 @@
-"""Light of glTF's materials: emission, and colours of unlit ones; what is cut out does not shine."""
+"""Light of glTF's materials: emission, and colours of unlit ones; parts that are cut out do not shine."""
 
 import numpy as np
 

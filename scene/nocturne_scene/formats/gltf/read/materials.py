@@ -64,7 +64,7 @@ class Materials:
         return self._frames[index]
 
     def is_textured(self, index: Json) -> bool:
-        """Whether a mesh of a material needs texture coordinates of its own."""
+        """Whether a mesh of a material needs texture coordinates."""
         return "Texture" in str(self._entry(index))
 
     def surface(self, index: Json, tint: Pixels | None) -> Json:

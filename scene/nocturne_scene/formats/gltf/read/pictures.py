@@ -100,7 +100,7 @@ class Pictures:
         return name
 
     def _wrap(self, texture: Json, place: str) -> tuple[str, tuple[bool, bool]]:
-        """What is beyond the edges, and whether that is a mirror image first, across and down."""
+        """The mode beyond the edges, and whether that is a mirror image first, across and down."""
         sampler = self.container.item("samplers", texture["sampler"], place) if "sampler" in texture else {}
         modes = [sampler.get(f"wrap{axis}", _REPEAT) for axis in "ST"]
         if modes == [_CLAMP, _CLAMP]:

@@ -115,7 +115,7 @@ def _sampled(container: Container, sampler: Json, path: str, time: float, place:
 
 
 def _between(before: _Array, after: _Array, t: float, step: float, kind: str, path: str) -> _Array:
-    """At the part t of the way from one key to the next: specification, appendix C."""
+    """The value at the part t between one key and the next: specification, appendix C."""
     if kind == "CUBICSPLINE":
         # Of each key: the tangent into it, the value, the tangent out of it.
         return np.asarray(

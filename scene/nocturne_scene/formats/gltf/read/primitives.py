@@ -51,7 +51,7 @@ def read_primitive(
     coordinates: tuple[int, Matrix],
     place: str,
 ) -> Primitive | None:
-    """Return a primitive's triangles; None, and a loss, for what has no surface. Raises InputError.
+    """Return a primitive's triangles; None, and a loss, for points and lines. Raises InputError.
 
     `coordinates`: the set of texture coordinates that its material uses, and a 3 x 3 matrix for them.
     """
@@ -99,7 +99,7 @@ def read_primitive(
 
 
 def _corners(indices: NDArray[np.int64], mode: int, shown: str) -> NDArray[np.int64]:
-    """Three indices of each triangle, turned so that all face the same way."""
+    """Three indices of each triangle, turned so that all face the same side."""
     match mode:
         case 4:
             if len(indices) % 3:

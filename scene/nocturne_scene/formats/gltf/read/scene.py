@@ -185,7 +185,7 @@ class _Reader:
     def _tinted(
         self, primitive: Primitive, material: Json, place: str
     ) -> tuple[Triangles, np.ndarray | None]:
-        """Triangles, and their colours as one of all or as a picture on coordinates of its own."""
+        """Triangles, and their colours as one of all or as a picture on separate coordinates."""
         colours_ = primitive.colours
         if colours_ is None or np.all(colours_ == colours_[0]):
             return primitive.triangles, None if colours_ is None else colours_[0]

@@ -28,7 +28,7 @@ class Workflow:
     """Pictures have the shape (rows, columns, 1)."""
     rough_use: Json
     base_texture: Json = None
-    """Where it holds the base's colours as they are: they need no picture of their own."""
+    """The texture that holds the base's colours as they are, so that no other picture is needed."""
 
 
 def metallic_roughness(

@@ -1,6 +1,6 @@
 """Materials: Mitsuba's BSDF plugins as kernels.
 
-Most of its materials are black from behind; ours scatter on both sides, so `two_sided` says what is behind.
+Most of its materials are black from behind; ours scatter on both sides, so `two_sided` adds a black back.
 
 One file, though long: a short function for each plugin, and their table.
 """
@@ -80,7 +80,7 @@ def front_of(kernel: Json) -> Json:
 
 
 def bsdf(context: Context, element: Element) -> Bsdf:
-    """Return the material of an element; where it has no equal, grey and a loss."""
+    """Return the material of an element; without a counterpart, grey and a loss."""
     if element.type not in _BSDFS:
         context.findings.lost(
             element.place,
@@ -152,7 +152,7 @@ def _dielectric(context: Context, properties: Properties) -> Bsdf:
     _scales(context, properties, "specular_reflectance")
     passing = textures.colour(context, properties, "specular_transmittance", 1.0)
     if passing == 0.0:
-        # What goes in is lost, as under a coat over black.
+        # Light that goes in is lost, as under a coat over black.
         index = _relative_index(context, properties)
         return Bsdf({"type": "coated_diffuse", "index": index, "reflectance": 0.0})
     if passing != 1.0:
@@ -275,7 +275,7 @@ def _polarising_plastic(context: Context, properties: Properties) -> Bsdf:
 
 
 def _coating(context: Context, properties: Properties) -> Bsdf:
-    """A layer over another material: what comes back from that goes out, or is lost.
+    """A layer over another material: light that comes back from that goes out, or is lost.
 
     Source: bsdfs/coating.cpp and bsdfs/roughcoating.cpp of Mitsuba 0.6.
     """

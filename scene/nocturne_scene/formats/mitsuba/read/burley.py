@@ -1,8 +1,8 @@
 """Means of Mitsuba's principled lobes in even light, by quadrature.
 
 Its diffuse lobe, its flat one and its sheen are those of B. Burley, "Physically-Based Shading at Disney"
-(SIGGRAPH 2012 course, section 5.3), which do not know of the glossy lobe beside them. Where our kernel
-stands in their place, these means tell what base and what sheen send back as much.
+(SIGGRAPH 2012 course, section 5.3), which ignore the glossy lobe. Where our kernel stands in their place,
+these means give the base and the sheen that send back as much.
 """
 
 from functools import lru_cache

@@ -17,7 +17,7 @@ from nocturne_scene.meshes.triangles import Triangles
 
 @dataclass
 class Context:
-    """One import under way."""
+    """One import in progress."""
 
     tree: SceneTree
     writer: SceneWriter

@@ -20,7 +20,7 @@ _MAX_DEPTH = 64
 # Of a file, which is read in pieces: a million shapes have some 300 MB.
 _MAX_BYTES = 2**30
 _PIECE_BYTES = 2**20
-# A declaration of what is neither UTF-8 nor UTF-16.
+# A declaration of an encoding other than UTF-8 and UTF-16.
 _OTHER_ENCODING = re.compile(rb"""\s*<\?xml[^>]*\sencoding\s*=\s*["'](?!utf-?8|utf-?16)""", re.IGNORECASE)
 _HEAD_BYTES = 256
 
@@ -34,7 +34,7 @@ class Element:
     place: str
     children: list["Element"] = field(default_factory=list)
     number: int = -1
-    """Of the elements of a scene, in the order in which they end; it stays the same for what was packed."""
+    """Of the elements of a scene, in the order in which they end; a packed element keeps its number."""
     packed: list[int] = field(default_factory=list)
     """More children, which lie in a file."""
 
@@ -136,7 +136,7 @@ them."""
 
 
 def parse_xml(file: Path, shown: str, part: Part) -> None:
-    """Read a file. Raises InputError for what is no XML or may be harmful."""
+    """Read a file. Raises InputError for a file that is no XML or may be harmful."""
     parser = ParserCreate()
     builder = _Builder(parser, shown, part)
     try:

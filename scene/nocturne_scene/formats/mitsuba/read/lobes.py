@@ -1,4 +1,4 @@
-"""Materials of Mitsuba 0.x that Mitsuba 3 has no plugin for: a lobe beside a diffuse part, and thin leaves.
+"""Materials of Mitsuba 0.x that Mitsuba 3 has no plugin for: a lobe with a diffuse part, and thin leaves.
 
 Sources: bsdfs/phong.cpp, bsdfs/ward.cpp and bsdfs/difftrans.cpp of Mitsuba 0.6.
 """

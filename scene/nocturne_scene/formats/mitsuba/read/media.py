@@ -28,7 +28,7 @@ def interior(context: Context, properties: Properties, surface: Json, kernel: Js
         context.enclosed.update(names)
         if names:
             surface["interior"] = {"media": list(names)}
-    # What is outside of a body of glass, or of what lets nothing through, is there anyway.
+    # The medium outside of a body of glass, or of an opaque body, is there anyway.
     shape_only = kernel["type"] not in _CLEAR or kernel["type"] == "dielectric"
     if outside is not None and not shape_only and medium(context, outside):
         context.findings.lost(

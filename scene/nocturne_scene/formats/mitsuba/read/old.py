@@ -61,15 +61,15 @@ class Old:
                 return
 
     def kind(self, child: Element) -> str:
-        """The tag of what is inside, or of what a reference refers to."""
+        """The tag of a nested plugin, or of the one that a reference refers to."""
         return self.resolve(child).tag
 
     def note(self, message: str) -> None:
-        """Something is expressed in another way: told once, as 0.x scenes say the same hundreds of times."""
+        """Note a different form: once, as 0.x scenes say the same hundreds of times."""
         self.findings.note("", message)
 
     def lose(self, message: str) -> None:
-        """Something has no equal."""
+        """Report a part without a counterpart."""
         self.findings.lost(self.element.place, message)
 
     def fix_handedness(self) -> None:

@@ -19,7 +19,7 @@ _SCATTERED = (
     "specular_transmittance",
     "opacity",
 )
-# What is left of colours above 1, which would make light.
+# The largest value that is left of colours above 1, which would make light.
 _CONSERVED = 0.99
 
 

@@ -61,7 +61,7 @@ def _film(old: Old) -> None:
 
 
 def _shape(old: Old) -> None:
-    """librender/shape.cpp: what has media and no material is not seen. 0.3.0.xsl: v of OBJ files."""
+    """librender/shape.cpp: a shape with media and no material is not seen. 0.3.0.xsl: v of OBJ files."""
     kinds = {old.kind(child) for child in old.element.children}
     if "medium" in kinds and not kinds & {"bsdf", "emitter", "subsurface"}:
         old.element.children.append(made("bsdf", old.element.place, type="null"))
@@ -188,6 +188,6 @@ IGNORED: dict[tuple[str, str], tuple[str, ...]] = {
     ),
     ("volume", ""): ("send_data",),
 }
-"""What changes how an image is computed, written or shown, and not what it converges to; or is read by no
-plugin of 0.6, which says so and goes on. By tag and type.
+"""Parameters that change how an image is computed, written or shown, and not the limit of the image; or that
+no plugin of 0.6 reads, which says so and goes on. By tag and type.
 `sdmmFilename` is of a fork (sdmm-mitsuba) that samples materials by files of mixtures."""

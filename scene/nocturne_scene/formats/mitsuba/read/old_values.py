@@ -33,7 +33,7 @@ def said(tag: str, name: str, value: object, place: str) -> Element:
 
 
 def upgrade_colour(element: Element, *, emitted: bool) -> None:
-    """Change a colour or spectrum in place. Raises InputError for what is none."""
+    """Change a colour or spectrum in place. Raises InputError for any other element."""
     intent = element.attributes.pop("intent", "illuminant" if emitted else "reflectance").lower()
     match element.tag:
         case "rgb" | "srgb":

@@ -147,7 +147,7 @@ def _base(
 ) -> Json:
     """The base that sends back as much even light, where it is all diffuse.
 
-    `facets`: the index of what is above it, and the hue of what that reflects.
+    `facets`: the index of the layer above it, and the hue of that layer's reflections.
     """
     if metallic != 0.0 or (isinstance(base, dict) and "texture" in base):
         return base
@@ -176,7 +176,7 @@ def _base(
 
 
 def _at_normal(index: float) -> float:
-    """What is reflected at normal incidence."""
+    """The reflectance at normal incidence."""
     return float(((index - 1) / (index + 1)) ** 2)
 
 

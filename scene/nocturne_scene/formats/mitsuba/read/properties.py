@@ -1,4 +1,4 @@
-"""The parameters of one plugin, read by type; what is left over is told."""
+"""The parameters of one plugin, read by type; parameters that are left over are reported."""
 
 from collections.abc import Callable
 from typing import TypeVar
@@ -15,7 +15,7 @@ _T = TypeVar("_T")
 
 
 def vector(element: Element, default: float = 0.0) -> list[float]:
-    """x, y, z as attributes of their own or as one value."""
+    """x, y, z as separate attributes or as one value."""
     if "value" in element.attributes:
         values = numbers(element.attributes["value"], element.place)
         if len(values) not in (1, 3):
@@ -175,7 +175,7 @@ class Properties:
             self.take(name)
 
     def without_effect(self, reason: str, *names: str) -> None:
-        """Take parameters, and note that they have no equal and need none."""
+        """Take parameters, and note that they are left out without an effect."""
         for name in names:
             if self.take(name) is not None:
                 self._findings.note(self.place, f'"{name}" is left out: {reason}')

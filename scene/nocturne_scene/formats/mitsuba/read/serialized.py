@@ -1,6 +1,6 @@
 """Mitsuba's own mesh files (`.serialized`), versions 3 and 4.
 
-A file holds meshes one after the other, each with a header of its own, and at its end their offsets and their
+A file holds meshes one after the other, each with its own header, and at its end their offsets and their
 number. Numbers are little-endian. Source: the description in the documentation of Mitsuba 0.6, section 8.1.5.
 """
 

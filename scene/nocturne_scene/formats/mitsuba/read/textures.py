@@ -200,7 +200,7 @@ def mean(context: Context, use: Json, unknown: float, place: str) -> float:
 
 
 def texture(context: Context, element: Element) -> Json:
-    """The use of a texture, or the number that it is everywhere; None where it has no equal.
+    """The use of a texture, or the number that it is everywhere; None where it has no counterpart.
 
     Each element becomes one texture, however often it is used.
     """
@@ -240,7 +240,7 @@ def number(context: Context, properties: Properties, name: str, default: float) 
 
 
 def light(context: Context, properties: Properties, name: str, default: Json) -> Json:
-    """What is emitted; it may vary."""
+    """A radiance or an intensity that may vary."""
     element = properties.take(name)
     if element is None:
         return default

@@ -27,7 +27,7 @@ class SceneTree:
     """The elements of a scene, and how to find files and other elements.
 
     Shapes lie in a temporary file, as there may be a million: those of the scene, and those of its groups.
-    Only what others may refer to stays in memory.
+    Only elements that others may refer to stay in memory.
     """
 
     def __init__(
@@ -35,7 +35,7 @@ class SceneTree:
     ) -> None:
         """Read `file` and all that it includes; `parameters` replace its defaults. Raises InputError.
 
-        Files of Mitsuba 0.x are upgraded; `findings` are told what was read in another way.
+        Files of Mitsuba 0.x are upgraded; `findings` note the changes.
         """
         self.files = files
         self._findings = findings
@@ -126,7 +126,7 @@ class SceneTree:
                 # Mitsuba 0.x warns of values of a whole scene, and reads none.
                 self._findings.note(each.place, f'"{each.name}" is of no plugin; left out')
                 continue
-            # What is inside of a shape and has a name may be referred to.
+            # A named element inside of a shape may be referred to.
             own = 1 if each.id else 0
             if each.tag != "shape" or each.type == "shapegroup" or len(self._by_id) > names + own:
                 into.append(each)
@@ -196,7 +196,7 @@ class SceneTree:
         return self.files.find(element.need("filename"), folders, element.place)
 
     def _folder(self, element: Element, opened: tuple[Path, ...]) -> Path:
-        """The folder of a <path>: beside its file, or else beside one that includes that."""
+        """The folder of a <path>: next to its file, or else next to one that includes that."""
         name = element.need("value")
         for base in opened[::-1]:
             if (base.parent / name.replace("\\", "/")).is_dir():

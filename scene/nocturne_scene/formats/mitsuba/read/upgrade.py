@@ -73,7 +73,7 @@ def version_of(root: Element, around: Version) -> Version:
 def upgrade(
     element: Element, version: Version, findings: Findings, resolve: Callable[[Element], Element]
 ) -> None:
-    """Change an element of a version before `NEW` in place; what is inside of it was changed before."""
+    """Change an element of a version before `NEW` in place; its children were changed before."""
     if version >= NEW:
         return
     with findings.leaving_out():

@@ -82,7 +82,7 @@ def _grids(context: Context, properties: Properties) -> tuple[Grid, ...]:
         raise InputError.at(properties.place, f'no filter "{filtered[:40]}"; expected trilinear or nearest')
     if properties.text("wrap_mode", "clamp") != "clamp":
         context.findings.note(properties.place, "beyond its box the grid is empty, whatever its wrap mode")
-    # How three channels become spectra: here always in the same way.
+    # Three channels always become spectra by the same rule here.
     properties.ignore("raw", "accel")
     values, box = _read(context, properties.element, name)
     to_world = properties.transform("to_world")

@@ -13,16 +13,16 @@ from nocturne_scene.formats.writing.tables import Array
 
 @dataclass
 class Context:
-    """One export under way."""
+    """One export in progress."""
 
     compiled: Compiled
     writer: SceneWriter
     findings: Findings
     root: Element
     media: dict[str, str] = field(default_factory=dict)
-    """Ids of media by what they are."""
+    """Ids of media by their description."""
     bsdfs: dict[tuple[int, ...], str] = field(default_factory=dict)
-    """Ids of materials by what they are made of."""
+    """Ids of materials by their kernels and interior."""
 
     def picture(self, name: str, pixels: Array) -> str:
         """Write a picture, shape (height, width, 1 or 3), and return its name."""

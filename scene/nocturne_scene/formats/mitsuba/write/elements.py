@@ -32,7 +32,7 @@ def parameter(parent: Element, name: str, value: Value) -> None:
 
 
 def reference(id_: str, name: str = "") -> Element:
-    """A reference to what has an id."""
+    """A reference to the element with an id."""
     return Element("ref", {"id": id_, **({"name": name} if name else {})})
 
 

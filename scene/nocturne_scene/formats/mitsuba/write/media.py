@@ -12,8 +12,8 @@ from nocturne_scene.formats.writing.compiled import Body, Medium
 from nocturne_scene.formats.writing.tables import Array, Table
 from nocturne_scene.spectra.published import visible_wavelengths
 
-# By which part of the light, either way, what is scattered evenly may depend on wavelength. Rayleigh's
-# phase function is at most half off that.
+# Part of the light, more or less, by which even scattering may depend on wavelength. Rayleigh's phase
+# function is at most half off that.
 _MAX_SPREAD = 0.01
 
 

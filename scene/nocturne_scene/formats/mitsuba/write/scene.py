@@ -40,7 +40,7 @@ _ABOUT = f""" Render it with a spectral variant, such as
 
 
 def export_mitsuba(compiled: Compiled, writer: SceneWriter, film: Film) -> str:
-    """Write scene.xml and its files; return its name. What can't be exported is among the findings."""
+    """Write scene.xml and its files; return its name. Losses are among the findings."""
     compiled.metre = max(1.0, 10.0 ** math.ceil(math.log10(_LARGE / compiled.size())))
     root = Element("scene", {"version": "3.0.0"})
     root.append(Comment(_ABOUT.format(metre=compiled.metre)))
@@ -173,7 +173,7 @@ def _disc(context: Context, disc: scene_pb2.DistantDisc) -> Element:
     found.append(matrix("to_world", axes, -distance * forward))
     emitter = plugin("emitter", "area")
     emitter.append(spectrum("radiance", table))
-    # What is behind it, sky or another disc, shines beside it.
+    # The sky or another disc behind it adds its light.
     found.extend([plugin("bsdf", "null"), emitter])
     return found
 

@@ -9,7 +9,7 @@ from nocturne_scene.formats.mitsuba.write.elements import Element, matrix, plugi
 from nocturne_scene.formats.reading.transforms import scaling, translation
 from nocturne_scene.media.grid_files import UnusableGridError, dense
 
-# Its grids have no empty parts: a quarter of a gigabyte, and some five times as much memory on the way.
+# Its grids have no empty parts: a quarter of a gigabyte, and five times as much memory in between.
 _MAX_VOXELS = 2**26
 
 

@@ -44,9 +44,8 @@ def shines(context: Context, kernel: Json, *, of_object: bool) -> bool:
 def luminaire(context: Context, opacity: Json, kind: str, shape: Json | Placed) -> Json:
     """What a shape of an opacity has of the `AreaLightSource` of now.
 
-    What is cut out does not
-    shine. A shape of which nothing is there lights all the same, and no ray meets it: DiffuseAreaLight in
-    lights.cpp of pbrt-v4.
+    Parts that are cut out do not shine. A shape of which nothing is there lights all the same, and no ray
+    meets it: DiffuseAreaLight in lights.cpp of pbrt-v4.
     """
     found = _whole(context, kind, shape)
     if opacity == 0.0:
@@ -59,13 +58,13 @@ def luminaire(context: Context, opacity: Json, kind: str, shape: Json | Placed) 
 
 
 def _parts(kind: str, shape: Json | Placed, folder: Path) -> Areas | None:
-    """Areas, m2, of what is one light each to pbrt: triangles of a mesh, bilinear patches, whole quadrics."""
+    """Areas, m2, of pbrt's single lights: triangles of a mesh, bilinear patches, whole quadrics."""
     if isinstance(shape, Placed):
         if shape.base.mesh is None:
             return np.array([4 * np.pi * np.linalg.norm(shape.matrix[:3, 0]) ** 2])
         mesh = shape.base.mesh
         of_now, of_unit = (_areas(mesh, matrix).sum() for matrix in (shape.matrix, np.eye(4)))
-        # Its triangles have a little less than what they stand for.
+        # Its triangles have a little less area than the shape.
         return np.array([_UNITS[kind] * of_now / of_unit])
     if kind == "curve" or shape is None:
         return None

@@ -34,7 +34,7 @@ class State:
 
 @dataclass
 class Context:
-    """One import under way."""
+    """One import in progress."""
 
     files: SceneFiles
     folder: Path

@@ -16,13 +16,13 @@ from nocturne_scene.spectra.published import SRGB_LUMINANCE
 
 
 def plastic(context: Context, parameters: Parameters) -> Json:
-    """Facets of a dielectric of index 1.5, times `Ks`, beside a diffuse part."""
+    """Facets of a dielectric of index 1.5, times `Ks`, with a diffuse part."""
     diffuse, glossy = (spectra.reflectance(context, parameters, name, 0.25) for name in ("Kd", "Ks"))
     return _glossy(diffuse, glossy, _roughness(context, parameters, 0.1), 1.5)
 
 
 def substrate(context: Context, parameters: Parameters) -> Json:
-    """A. Ashikhmin and P. Shirley (2000): `Ks` is what is reflected at normal incidence."""
+    """A. Ashikhmin and P. Shirley (2000): `Ks` is the reflectance at normal incidence."""
     diffuse, glossy = (spectra.reflectance(context, parameters, name, 0.5) for name in ("Kd", "Ks"))
     if glossy == 0.0:
         parameters.ignore("roughness", "uroughness", "vroughness", "remaproughness")
@@ -67,7 +67,7 @@ def mirror(context: Context, parameters: Parameters) -> Json:
 
 
 def translucent(context: Context, parameters: Parameters) -> Json:
-    """`Kd` times what is reflected, and times what goes through."""
+    """A reflectance and a transmittance, both times `Kd`."""
     diffuse, glossy = (spectra.reflectance(context, parameters, name, 0.25) for name in ("Kd", "Ks"))
     parts = [spectra.reflectance(context, parameters, name, 0.5) for name in ("reflect", "transmit")]
     parameters.ignore("roughness", "remaproughness")

@@ -1,4 +1,4 @@
-"""The parameters of one directive, read by type; what is left over is told."""
+"""The parameters of one directive, read by type; parameters that are left over are reported."""
 
 import math
 from collections.abc import Iterator

@@ -36,7 +36,7 @@ class Look:
 
     @property
     def factor_left(self) -> float:
-        """What is left to multiply with where the picture is looked up."""
+        """The factor that is left for the lookup of the picture."""
         return 1.0 if self.invert else self.factor
 
 
@@ -64,7 +64,7 @@ def texture(writer: SceneWriter, file: Path, look: Look) -> Json:
 
 
 def _linear(stored: _Pixels, encoding: str) -> _Pixels:
-    """Decoded values. Raises UnusableImageError for what is no encoding of pbrt's."""
+    """Decoded values. Raises UnusableImageError for an encoding that pbrt does not have."""
     words = encoding.split()
     if words == ["linear"]:
         return stored

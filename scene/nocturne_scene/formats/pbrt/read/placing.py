@@ -1,4 +1,4 @@
-"""Directives that say where what follows is: the current transformation matrix."""
+"""Directives that place the objects after them: the current transformation matrix."""
 
 import numpy as np
 

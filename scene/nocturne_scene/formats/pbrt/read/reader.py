@@ -79,7 +79,7 @@ class Reader:
         self.objects[self.recording or ""].append(shape)
 
     def apply(self, matrix: Matrix) -> None:
-        """Coordinates of what follows are inside of those of now."""
+        """Let coordinates from here on be inside of the current ones."""
         self.context.state.transform = self.context.state.transform @ matrix
 
     def plugin(self, target: str, stream: Stream, place: str) -> tuple[str, Parameters]:

@@ -154,7 +154,7 @@ def _setting(target: str, add: Callable[[Context, str, Parameters], None]) -> Di
 
 
 def _end_world(reader: Reader, stream: Stream, place: str) -> None:
-    """What follows is another image of pbrt-v3's."""
+    """The rest of the file is another image of pbrt-v3's."""
     reader.context.is_old = True
     reader.ended = True
     if stream.ahead is not None:

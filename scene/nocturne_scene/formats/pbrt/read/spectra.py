@@ -114,7 +114,7 @@ def light(context: Context, parameters: Parameters, name: str, luminance: float)
 
 
 def texture(context: Context, found: Parameter, kind: str) -> Json:
-    """A texture by its name, of "float" or "spectrum", which have names of their own."""
+    """A texture by its name, of "float" or "spectrum", each of which has its own names."""
     name = found.word()
     for each in (kind, *_KINDS):
         if (each, name) in context.textures:
@@ -195,7 +195,7 @@ def _only_uv(context: Context, parameters: Parameters) -> None:
 
 
 def _mapping(parameters: Parameters, period: float) -> Json:
-    """Fields for what is repeated with that period of the mapping's unit."""
+    """Fields for a picture that is repeated with that period of the mapping's unit."""
     scales = [period * float(parameters.number(f"{axis}scale", 1.0)) for axis in "uv"]
     shifts = [period * float(parameters.number(f"{axis}delta", 0.0)) for axis in "uv"]
     plain = scales == [1.0, 1.0] and shifts == [0.0, 0.0]

@@ -81,11 +81,11 @@ class Given:
         self.parameters.append(Parameter(kind, name, list(values), self.place))  # type: ignore[arg-type]
 
     def note(self, message: str) -> None:
-        """Something is expressed in another way: told once."""
+        """Note a different form, once."""
         self.context.findings.note("", message)
 
     def lose(self, message: str) -> None:
-        """Something has no equal."""
+        """Report a part without a counterpart."""
         self.context.findings.lost(self.place, message)
 
 
@@ -102,7 +102,7 @@ def upgrade(
 
 
 def _value(found: Parameter) -> Parameter:
-    """core/parser.cpp: `color` is rgb, xyz another way to say it."""
+    """core/parser.cpp: `color` is rgb; xyz is converted to it."""
     if found.type == "color":
         return replace(found, type="rgb")
     if found.type == "xyz":

@@ -9,7 +9,7 @@ from nocturne_scene.formats.writing.compiled import Compiled
 
 @dataclass
 class Context:
-    """One export under way."""
+    """One export in progress."""
 
     compiled: Compiled
     writer: SceneWriter
@@ -18,7 +18,7 @@ class Context:
     """Lines before the world begins: media, and how the image is made."""
     world: list[str] = field(default_factory=list)
     media: dict[str, str] = field(default_factory=dict)
-    """Names of media by what they are."""
+    """Names of media by their description."""
     materials: dict[tuple[int, int], str] = field(default_factory=dict)
     """Names of materials by kernel and interior; empty for an interface."""
     textures: list[str] = field(default_factory=list)

@@ -36,7 +36,7 @@ class Material:
 
     @property
     def is_interface(self) -> bool:
-        """Whether light notices only what it encloses."""
+        """Whether light notices only the enclosed space."""
         return self.line == _INTERFACE
 
 
@@ -152,7 +152,7 @@ class _Maker:
         ]
 
     def _roughness(self, roughness: scene_pb2.Roughness) -> list[str]:
-        """Nothing for what is smooth."""
+        """Parameters of a rough surface; none of a smooth one."""
         both = (roughness.alpha_u, roughness.alpha_v)
         if all(each.WhichOneof("source") != "texture" and each.constant == 0.0 for each in both):
             return []

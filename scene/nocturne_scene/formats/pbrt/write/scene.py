@@ -32,7 +32,7 @@ _NO_LIMIT = 100_000
 
 
 def export_pbrt(compiled: Compiled, writer: SceneWriter, film: Film) -> str:
-    """Write scene.pbrt and its files; return its name. What can't be exported is among the findings."""
+    """Write scene.pbrt and its files; return its name. Losses are among the findings."""
     context = Context(compiled, writer, compiled.findings)
     compiled.refuse_overlaps()
     compiled.refuse_other_sensors()
@@ -67,7 +67,7 @@ def _camera(context: Context, film: Film, around: Body) -> list[str]:
     sensor = context.compiled.message.sensor
     position = context.compiled.point(sensor.position)
     axes = [array(sensor.right), array(sensor.up), array(sensor.forward)]
-    # What it is told is of the shorter side.
+    # Its field of view is that of the shorter side.
     shorter = min(1.0, film.width / film.height)
     half = math.tan(sensor.vertical_field_of_view / 2) * shorter
     degrees = real("fov", math.degrees(2 * math.atan(half)))
