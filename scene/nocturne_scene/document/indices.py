@@ -1,14 +1,13 @@
 """Indices of refraction as written in a scene document."""
 
 from itertools import pairwise
-from typing import Annotated, Any, Self
+from typing import Annotated, Self
 
-from pydantic import AfterValidator, Field, Tag, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from nocturne_scene.document import bounds
 from nocturne_scene.document.fields import Finite, Wavelength
-from nocturne_scene.document.node import Node, chosen_by_key, problem_at, quoted_list
-from nocturne_scene.document.spectra import number, number_or_name
+from nocturne_scene.document.node import ByKey, Node, problem_at, quoted_list
 from nocturne_scene.spectra import indices
 
 _Index = Annotated[Finite, Field(ge=indices.SMALLEST, le=indices.LARGEST)]
@@ -93,26 +92,16 @@ def _known_metal(name: str) -> str:
 
 
 _NAME = Field(strict=True, title="name")
-_index_check, _index_choice = chosen_by_key(
-    {"sellmeier": "<sellmeier>", "cauchy": "<cauchy>", "table": "<table>"}, number_or_name, "a name, a number"
-)
 # An index of refraction without an imaginary part.
 IndexReference = Annotated[
-    Annotated[str, _NAME, AfterValidator(_known_dielectric), Tag("<name>")]
-    | Annotated[_Index, Tag("<number>")]
-    | Annotated[SellmeierIndex, Tag("<sellmeier>")]
-    | Annotated[CauchyIndex, Tag("<cauchy>")]
-    | Annotated[TableIndex, Tag("<table>")],
-    _index_choice,
-    _index_check,
+    Annotated[str, _NAME, AfterValidator(_known_dielectric)]
+    | _Index
+    | SellmeierIndex
+    | CauchyIndex
+    | TableIndex,
+    ByKey({"sellmeier": SellmeierIndex, "cauchy": CauchyIndex, "table": TableIndex}),
 ]
-
-_extinction_check, _extinction_choice = chosen_by_key({"table": "<table>"}, number, "a number")
-ExtinctionReference = Annotated[
-    Annotated[_Extinction, Tag("<number>")] | Annotated[TableExtinction, Tag("<table>")],
-    _extinction_choice,
-    _extinction_check,
-]
+ExtinctionReference = Annotated[_Extinction | TableExtinction, ByKey({"table": TableExtinction})]
 
 
 class ComplexIndex(Node):
@@ -122,15 +111,8 @@ class ComplexIndex(Node):
     k: ExtinctionReference = Field(description="Imaginary part, the extinction coefficient; not negative.")
 
 
-def _name_only(value: Any) -> str | None:
-    return "<name>" if isinstance(value, str) else None
-
-
-_complex_check, _complex_choice = chosen_by_key({"n": "<complex>", "k": "<complex>"}, _name_only, "a name")
 # An index of refraction with an imaginary part.
 ComplexIndexReference = Annotated[
-    Annotated[str, _NAME, AfterValidator(_known_metal), Tag("<name>")]
-    | Annotated[ComplexIndex, Tag("<complex>")],
-    _complex_choice,
-    _complex_check,
+    Annotated[str, _NAME, AfterValidator(_known_metal)] | ComplexIndex,
+    ByKey({"n": ComplexIndex, "k": ComplexIndex}),
 ]

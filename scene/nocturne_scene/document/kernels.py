@@ -2,12 +2,12 @@
 
 from typing import Annotated, Literal, Self
 
-from pydantic import AfterValidator, Field, Tag, ValidationInfo, model_validator
+from pydantic import AfterValidator, Field, ValidationInfo, model_validator
 
 from nocturne_scene.document import bounds
 from nocturne_scene.document.fields import AssetReference, Finite
 from nocturne_scene.document.indices import ComplexIndexReference, IndexReference
-from nocturne_scene.document.node import Node, chosen_by_type, problem_at
+from nocturne_scene.document.node import ByType, Node, problem_at
 from nocturne_scene.document.spectra import SpectrumReference, known_name
 from nocturne_scene.document.textures import ColourReference, ScalarReference
 
@@ -206,27 +206,6 @@ def _known_kernel(name: str, info: ValidationInfo) -> str:
     return known_name(name, "kernel", "kernels", info)
 
 
-_TAGS = {
-    kind: f"<{kind.replace('_', ' ')}>"
-    for kind in (
-        "lambertian",
-        "diffuse_transmitter",
-        "conductor",
-        "dielectric",
-        "thin_pane",
-        "coated_diffuse",
-        "phong",
-        "principled",
-        "measured",
-        "blend",
-        "mask",
-        "two_sided",
-        "null",
-    )
-}
-_definition_check, _definition_choice = chosen_by_type(_TAGS)
-_reference_check, _reference_choice = chosen_by_type(_TAGS, or_name=True)
-
 Kernel = (
     Lambertian
     | DiffuseTransmitter
@@ -242,28 +221,11 @@ Kernel = (
     | TwoSided
     | NullKernel
 )
-_Inline = (
-    Annotated[Lambertian, Tag("<lambertian>")]
-    | Annotated[DiffuseTransmitter, Tag("<diffuse transmitter>")]
-    | Annotated[Conductor, Tag("<conductor>")]
-    | Annotated[Dielectric, Tag("<dielectric>")]
-    | Annotated[ThinPane, Tag("<thin pane>")]
-    | Annotated[CoatedDiffuse, Tag("<coated diffuse>")]
-    | Annotated[Phong, Tag("<phong>")]
-    | Annotated[Principled, Tag("<principled>")]
-    | Annotated[Measured, Tag("<measured>")]
-    | Annotated[Blend, Tag("<blend>")]
-    | Annotated[Mask, Tag("<mask>")]
-    | Annotated[TwoSided, Tag("<two sided>")]
-    | Annotated[NullKernel, Tag("<null>")]
-)
 # In $.kernels.
-KernelDefinition = Annotated[_Inline, _definition_choice, _definition_check]
+KernelDefinition = Annotated[Kernel, ByType()]
 # Where a kernel is used: also the name of one in $.kernels.
 KernelReference = Annotated[
-    Annotated[str, Field(strict=True, title="name"), AfterValidator(_known_kernel), Tag("<name>")] | _Inline,
-    _reference_choice,
-    _reference_check,
+    Annotated[str, Field(strict=True, title="name"), AfterValidator(_known_kernel)] | Kernel, ByType()
 ]
 
 Blend.model_rebuild()

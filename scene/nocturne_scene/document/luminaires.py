@@ -2,11 +2,11 @@
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, Tag, model_validator
+from pydantic import Field, model_validator
 
 from nocturne_scene.document import bounds
 from nocturne_scene.document.fields import AssetReference, Degrees, Finite, NotNegative, Switch, Vector
-from nocturne_scene.document.node import Node, chosen_by_key, problem_at
+from nocturne_scene.document.node import ByKey, Node, problem_at
 from nocturne_scene.document.placement import Placement
 from nocturne_scene.document.shapes import ShapeDefinition, length, parallel, refuse_without_size
 from nocturne_scene.document.spectra import SpectrumReference
@@ -62,18 +62,8 @@ def check_axes(
         )
 
 
-def _only_objects(value: Any) -> str | None:
-    del value
-    return None
-
-
-_profile_check, _profile_choice = chosen_by_key(
-    {"cosine_power": "<cosine>", "asset": "<photometric>"}, _only_objects, ""
-)
 Profile = Annotated[
-    Annotated[CosineProfile, Tag("<cosine>")] | Annotated[PhotometricProfile, Tag("<photometric>")],
-    _profile_choice,
-    _profile_check,
+    CosineProfile | PhotometricProfile, ByKey({"cosine_power": CosineProfile, "asset": PhotometricProfile})
 ]
 
 
@@ -227,15 +217,9 @@ class StandardSky(Node):
         return self
 
 
-_environment_check, _environment_choice = chosen_by_key(
-    {"asset": "<map>", "radiance": "<constant radiance>", "cie": "<standard sky>"}, _only_objects, ""
-)
 EnvironmentDefinition = Annotated[
-    Annotated[ConstantEnvironment, Tag("<constant radiance>")]
-    | Annotated[EnvironmentMap, Tag("<map>")]
-    | Annotated[StandardSky, Tag("<standard sky>")],
-    _environment_choice,
-    _environment_check,
+    ConstantEnvironment | EnvironmentMap | StandardSky,
+    ByKey({"asset": EnvironmentMap, "radiance": ConstantEnvironment, "cie": StandardSky}),
 ]
 
 

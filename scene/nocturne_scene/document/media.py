@@ -1,9 +1,9 @@
 """Media as written in a scene document: what fills space and is hit by chance."""
 
 from itertools import pairwise
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
-from pydantic import AfterValidator, Field, Tag, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from nocturne_scene.document import bounds
 from nocturne_scene.document.fields import (
@@ -19,10 +19,10 @@ from nocturne_scene.document.fields import (
     Wavelength,
 )
 from nocturne_scene.document.indices import IndexReference
-from nocturne_scene.document.node import Node, chosen_by_key, chosen_by_type, problem_at, quoted_list
+from nocturne_scene.document.node import ByKey, ByType, Node, problem_at, quoted_list
 from nocturne_scene.document.placement import Placement
 from nocturne_scene.document.shapes import length
-from nocturne_scene.document.spectra import SpectrumReference, number
+from nocturne_scene.document.spectra import SpectrumReference
 from nocturne_scene.media import presets as media_presets
 
 _Density = Annotated[NotNegative, Field(le=bounds.MEDIUM_DENSITY)]
@@ -124,18 +124,6 @@ class MiePhase(Node):
     droplets: Droplets = Field(description="The droplets.")
 
 
-_PHASES = {
-    kind: f"<{kind.replace('_', ' ')}>"
-    for kind in (
-        "isotropic",
-        "henyey_greenstein",
-        "double_henyey_greenstein",
-        "rayleigh",
-        "tabulated",
-        "mie",
-    )
-}
-_phase_check, _phase_choice = chosen_by_type(_PHASES)
 Phase = (
     IsotropicPhase
     | HenyeyGreensteinPhase
@@ -144,16 +132,7 @@ Phase = (
     | TabulatedPhase
     | MiePhase
 )
-PhaseDefinition = Annotated[
-    Annotated[IsotropicPhase, Tag("<isotropic>")]
-    | Annotated[HenyeyGreensteinPhase, Tag("<henyey greenstein>")]
-    | Annotated[DoubleHenyeyGreensteinPhase, Tag("<double henyey greenstein>")]
-    | Annotated[RayleighPhase, Tag("<rayleigh>")]
-    | Annotated[TabulatedPhase, Tag("<tabulated>")]
-    | Annotated[MiePhase, Tag("<mie>")],
-    _phase_choice,
-    _phase_check,
-]
+PhaseDefinition = Annotated[Phase, ByType()]
 
 
 class AbovePlane(Node):
@@ -176,18 +155,9 @@ class AboveSphere(Node):
     radius: PositiveLength = Field(description="Radius, m.")
 
 
-def _nothing_else(value: Any) -> str | None:
-    del value
-    return None
-
-
-_above_check, _above_choice = chosen_by_key(
-    {"radius": "<sphere>", "centre": "<sphere>", "up": "<plane>", "point": "<plane>"}, _nothing_else, ""
-)
 _Above = Annotated[
-    Annotated[AbovePlane, Tag("<plane>")] | Annotated[AboveSphere, Tag("<sphere>")],
-    _above_choice,
-    _above_check,
+    AbovePlane | AboveSphere,
+    ByKey({"radius": AboveSphere, "centre": AboveSphere, "up": AbovePlane, "point": AbovePlane}),
 ]
 _ABOVE = Field(default=AbovePlane(), description="What altitude is measured from. Default: the plane y = 0.")
 
@@ -241,16 +211,9 @@ class Grid(Placement):
     )
 
 
-_density_check, _density_choice = chosen_by_key(
-    {"scale_height": "<exponential>", "layers": "<layers>", "asset": "<grid>"}, number, "a number"
-)
 DensityDefinition = Annotated[
-    Annotated[_Density, Tag("<number>")]
-    | Annotated[ExponentialDensity, Tag("<exponential>")]
-    | Annotated[LayeredDensity, Tag("<layers>")]
-    | Annotated[Grid, Tag("<grid>")],
-    _density_choice,
-    _density_check,
+    _Density | ExponentialDensity | LayeredDensity | Grid,
+    ByKey({"scale_height": ExponentialDensity, "layers": LayeredDensity, "asset": Grid}),
 ]
 
 

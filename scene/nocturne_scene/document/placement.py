@@ -1,12 +1,12 @@
 """Where things stand and how they move, as written in a scene document."""
 
-from typing import Annotated, Any, Self
+from typing import Annotated, Self
 
-from pydantic import Field, Tag, model_validator
+from pydantic import Field, model_validator
 
 from nocturne_scene.document import bounds
 from nocturne_scene.document.fields import Degrees, Finite, PositiveLength, Vector
-from nocturne_scene.document.node import Node, chosen_by_key, problem_at
+from nocturne_scene.document.node import ByKey, Node, problem_at
 from nocturne_scene.document.shapes import length
 
 
@@ -64,18 +64,9 @@ class KeyedMotion(Node):
     )
 
 
-def _only_objects(value: Any) -> str | None:
-    del value
-    return None
-
-
-_motion_check, _motion_choice = chosen_by_key(
-    {"placements": "<placements>", "rotate": "<rigid>", "translate": "<rigid>"}, _only_objects, ""
-)
 Motion = Annotated[
-    Annotated[RigidMotion, Tag("<rigid>")] | Annotated[KeyedMotion, Tag("<placements>")],
-    _motion_choice,
-    _motion_check,
+    RigidMotion | KeyedMotion,
+    ByKey({"placements": KeyedMotion, "rotate": RigidMotion, "translate": RigidMotion}),
 ]
 
 

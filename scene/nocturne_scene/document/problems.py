@@ -6,15 +6,15 @@ import re
 from collections.abc import Callable, Iterable, Sequence
 from typing import Annotated, Any, get_args, get_origin
 
-from pydantic import BaseModel, Tag, ValidationError
+from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
 from nocturne_scene.document import bounds
-from nocturne_scene.document.node import NAMED, quoted_list
+from nocturne_scene.document.node import NAMED, quoted_list, tag_of
 from nocturne_scene.errors import Problem
 
 _PLAIN_KEY = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
-_TAG = re.compile(r"<[a-z ]+>")
+_TAG = re.compile(r"<[A-Za-z]+>")
 _VALUE_SHOWN = 60  # characters of an offending value
 
 
@@ -133,7 +133,7 @@ def _fields_around(location: Sequence[str | int], model: type[BaseModel]) -> lis
 
 def _inside(kind: Any, step: str | int) -> Any:
     """Follow one step of a pydantic location through a type: an arm's tag, a field, a key or an index."""
-    tagged = [arm for arm in _arms(kind) if _tag(arm) == step]
+    tagged = [arm for arm in _arms(kind) if tag_of(arm) == step]
     if tagged:
         return tagged[0]
     bare = _first_arm(kind)
@@ -160,13 +160,8 @@ def _arms(kind: Any) -> tuple[Any, ...]:
     bare = _bare(kind)
     if not _is_union(bare):
         return (kind,)
-    return tuple(inner for arm in get_args(bare) for inner in ((arm,) if _tag(arm) else _arms(arm)))
+    return tuple(inner for arm in get_args(bare) for inner in _arms(arm))
 
 
 def _is_union(kind: Any) -> bool:
     return str(get_origin(kind)) in ("typing.Union", "<class 'types.UnionType'>")
-
-
-def _tag(kind: Any) -> str | None:
-    metadata = getattr(kind, "__metadata__", ())
-    return next((item.tag for item in metadata if isinstance(item, Tag)), None)

@@ -2,12 +2,12 @@
 
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, Tag, model_validator
+from pydantic import Field, model_validator
 
 from nocturne_scene.document import bounds
 from nocturne_scene.document.fields import Degrees, Finite, Name, PositiveLength, Vector
 from nocturne_scene.document.luminaires import check_axes
-from nocturne_scene.document.node import Node, chosen_by_type, problem_at
+from nocturne_scene.document.node import ByType, Node, problem_at
 from nocturne_scene.document.placement import Motion
 from nocturne_scene.document.shapes import length, parallel
 from nocturne_scene.document.spectra import SpectrumReference
@@ -240,27 +240,6 @@ class IntensityMeter(_AnySensor):
         return self
 
 
-_sensor_check, _sensor_choice = chosen_by_type(
-    {
-        "pinhole": "<pinhole>",
-        "thin_lens": "<thin lens>",
-        "orthographic": "<orthographic>",
-        "panorama": "<panorama>",
-        "irradiance_meter": "<irradiance meter>",
-        "radiance_meter": "<radiance meter>",
-        "intensity_meter": "<intensity meter>",
-    }
-)
 CAMERAS = (Pinhole, ThinLens, Orthographic, Panorama)
 Sensor = Pinhole | ThinLens | Orthographic | Panorama | IrradianceMeter | RadianceMeter | IntensityMeter
-SensorDefinition = Annotated[
-    Annotated[Pinhole, Tag("<pinhole>")]
-    | Annotated[ThinLens, Tag("<thin lens>")]
-    | Annotated[Orthographic, Tag("<orthographic>")]
-    | Annotated[Panorama, Tag("<panorama>")]
-    | Annotated[IrradianceMeter, Tag("<irradiance meter>")]
-    | Annotated[RadianceMeter, Tag("<radiance meter>")]
-    | Annotated[IntensityMeter, Tag("<intensity meter>")],
-    _sensor_choice,
-    _sensor_check,
-]
+SensorDefinition = Annotated[Sensor, ByType()]

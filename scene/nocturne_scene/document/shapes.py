@@ -5,7 +5,7 @@ from pathlib import PurePosixPath
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import Field, Tag, model_validator
+from pydantic import Field, model_validator
 
 from nocturne_scene.document import bounds
 from nocturne_scene.document.fields import (
@@ -19,7 +19,7 @@ from nocturne_scene.document.fields import (
     Vector,
 )
 from nocturne_scene.document.medium_interfaces import MediumName
-from nocturne_scene.document.node import Node, chosen_by_type, problem_at, quoted_list
+from nocturne_scene.document.node import ByType, Node, problem_at, quoted_list
 
 _Coordinates = tuple[Coordinate, Coordinate]
 DIGEST_PREFIX = "sha256:"
@@ -211,23 +211,13 @@ class MediumBox(Node):
 
 
 Shape = InlineMesh | AssetMesh | Quad | Sphere | Disc | Box | MediumBox
-_TAGS = {
-    "mesh": "<mesh>",
-    "quad": "<quad>",
-    "sphere": "<sphere>",
-    "disc": "<disc>",
-    "box": "<box>",
-    "medium_box": "<medium box>",
-}
 
 
-def _shape_tag(value: Any) -> str | None:
+def _mesh(value: Any, kind: str) -> type[Node] | None:
     """A mesh is one of two kinds: with "asset" it is a file, without it is inline."""
-    kind = str(value.get("type") if isinstance(value, dict) else getattr(value, "type", None))
     refuse_without_size(kind)
-    tag = _TAGS.get(kind)
     has_asset = "asset" in value if isinstance(value, dict) else isinstance(value, AssetMesh)
-    return "<file mesh>" if tag == "<mesh>" and has_asset else tag
+    return None if kind != "mesh" else AssetMesh if has_asset else InlineMesh
 
 
 def refuse_without_size(kind: Any) -> None:
@@ -244,15 +234,4 @@ def refuse_without_size(kind: Any) -> None:
         )
 
 
-_check, _choice = chosen_by_type(_TAGS, tag=_shape_tag)
-ShapeDefinition = Annotated[
-    Annotated[InlineMesh, Tag("<mesh>")]
-    | Annotated[AssetMesh, Tag("<file mesh>")]
-    | Annotated[Quad, Tag("<quad>")]
-    | Annotated[Sphere, Tag("<sphere>")]
-    | Annotated[Disc, Tag("<disc>")]
-    | Annotated[Box, Tag("<box>")]
-    | Annotated[MediumBox, Tag("<medium box>")],
-    _choice,
-    _check,
-]
+ShapeDefinition = Annotated[Shape, ByType(_mesh)]

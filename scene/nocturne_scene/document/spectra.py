@@ -2,13 +2,13 @@
 
 from collections.abc import Collection
 from itertools import pairwise
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Literal, Self
 
-from pydantic import AfterValidator, Field, Tag, ValidationInfo, model_validator
+from pydantic import AfterValidator, Field, ValidationInfo, model_validator
 
 from nocturne_scene.document import bounds
 from nocturne_scene.document.fields import Finite, Knot, SpectralValue, Wavelength
-from nocturne_scene.document.node import Node, chosen_by_key, problem_at, quoted_list
+from nocturne_scene.document.node import ByKey, Node, problem_at, quoted_list
 from nocturne_scene.spectra import lines as line_spectra
 from nocturne_scene.spectra import published
 
@@ -147,24 +147,14 @@ class ChartSpectrum(Node):
 
 
 SPECTRUM_KEYS = {
-    "constant": "<constant>",
-    "table": "<table>",
-    "blackbody": "<blackbody>",
-    "illuminant": "<illuminant>",
-    "lines": "<lines>",
-    "rgb": "<rgb>",
-    "chart_patch": "<chart patch>",
+    "constant": ConstantSpectrum,
+    "table": TableSpectrum,
+    "blackbody": BlackbodySpectrum,
+    "illuminant": IlluminantSpectrum,
+    "lines": LineSpectrum,
+    "rgb": RgbSpectrum,
+    "chart_patch": ChartSpectrum,
 }
-
-
-def number(value: Any) -> str | None:
-    """Tag of a bare number. True and false are numbers to Python, but not to JSON."""
-    return "<number>" if isinstance(value, int | float) and not isinstance(value, bool) else None
-
-
-def number_or_name(value: Any) -> str | None:
-    """Tag of a name or of a bare number."""
-    return "<name>" if isinstance(value, str) else number(value)
 
 
 def known_name(name: str, noun: str, collection: str, info: ValidationInfo) -> str:
@@ -190,24 +180,10 @@ Spectrum = (
     | ChartSpectrum
 )
 
-InlineSpectrum = (
-    Annotated[SpectralValue, Tag("<number>")]
-    | Annotated[ConstantSpectrum, Tag("<constant>")]
-    | Annotated[TableSpectrum, Tag("<table>")]
-    | Annotated[BlackbodySpectrum, Tag("<blackbody>")]
-    | Annotated[IlluminantSpectrum, Tag("<illuminant>")]
-    | Annotated[LineSpectrum, Tag("<lines>")]
-    | Annotated[RgbSpectrum, Tag("<rgb>")]
-    | Annotated[ChartSpectrum, Tag("<chart patch>")]
-)
-SpectrumName = Annotated[
-    str, Field(strict=True, title="name"), AfterValidator(_known_spectrum), Tag("<name>")
-]
-
-_definition_check, _definition_choice = chosen_by_key(SPECTRUM_KEYS, number, "a number")
-_reference_check, _reference_choice = chosen_by_key(SPECTRUM_KEYS, number_or_name, "a name, a number")
+InlineSpectrum = SpectralValue | Spectrum
+SpectrumName = Annotated[str, Field(strict=True, title="name"), AfterValidator(_known_spectrum)]
 
 # In $.spectra.
-SpectrumDefinition = Annotated[InlineSpectrum, _definition_choice, _definition_check]
+SpectrumDefinition = Annotated[InlineSpectrum, ByKey(SPECTRUM_KEYS)]
 # Where a spectrum is used: also the name of one in $.spectra.
-SpectrumReference = Annotated[SpectrumName | InlineSpectrum, _reference_choice, _reference_check]
+SpectrumReference = Annotated[SpectrumName | InlineSpectrum, ByKey(SPECTRUM_KEYS)]

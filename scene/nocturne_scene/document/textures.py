@@ -6,15 +6,13 @@ from pydantic import AfterValidator, Discriminator, Field, Tag, ValidationInfo
 
 from nocturne_scene.document import bounds
 from nocturne_scene.document.fields import AssetReference, Finite, Fraction, NotNegative, Switch
-from nocturne_scene.document.node import Node, chosen_by_key
+from nocturne_scene.document.node import ByKey, Node
 from nocturne_scene.document.spectra import (
     SPECTRUM_KEYS,
     InlineSpectrum,
     SpectrumName,
     SpectrumReference,
     known_name,
-    number,
-    number_or_name,
 )
 
 _Repeat = Annotated[Finite, Field(ge=-bounds.TEXTURE_SCALE, le=bounds.TEXTURE_SCALE)]
@@ -109,21 +107,10 @@ class BumpMap(TextureUse):
     )
 
 
-_scalar_check, _scalar_choice = chosen_by_key({"texture": "<texture>"}, number, "a number")
-
 # A number in [0, 1] that may vary over a surface.
-ScalarReference = Annotated[
-    Annotated[Fraction, Tag("<number>")] | Annotated[ScalarTexture, Tag("<texture>")],
-    _scalar_choice,
-    _scalar_check,
-]
-
-_COLOUR_KEYS = {**SPECTRUM_KEYS, "texture": "<texture>"}
-_colour_check, _colour_choice = chosen_by_key(_COLOUR_KEYS, number_or_name, "a name, a number")
+ScalarReference = Annotated[Fraction | ScalarTexture, ByKey({"texture": ScalarTexture})]
 
 # A spectrum that may vary over a surface.
 ColourReference = Annotated[
-    SpectrumName | InlineSpectrum | Annotated[ColourTexture, Tag("<texture>")],
-    _colour_choice,
-    _colour_check,
+    SpectrumName | InlineSpectrum | ColourTexture, ByKey({**SPECTRUM_KEYS, "texture": ColourTexture})
 ]
