@@ -211,7 +211,7 @@ class Client:
         return decode(Render, self._transport.get(f"/v1/renders/{_part(render_id)}"))
 
     def cancel(self, render_id: str, request_id: str | None = None) -> Render:
-        """Stops a render; what was merged stays."""
+        """Stops a render; its merged samples stay."""
         body = {"request_id": request_id or str(uuid.uuid4())}
         return decode(Render, self._transport.post(f"/v1/renders/{_part(render_id)}:cancel", body))
 

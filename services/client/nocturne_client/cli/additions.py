@@ -12,7 +12,7 @@ LayerNames = Annotated[
     typer.Option(
         "--layers",
         metavar="NAME,...",
-        help="What the EXR is to tell of surfaces: albedo, normal, depth, position, object, material, "
+        help="Extra channels of surfaces in the EXR: albedo, normal, depth, position, object, material, "
         "emission or all; and of light: direct, indirect.",
     ),
 ]

@@ -231,7 +231,7 @@ def import_scene(
     ] = None,
     allow_missing: Annotated[
         bool,
-        typer.Option("--allow-missing", help="Import the rest of a scene that has parts without an equal."),
+        typer.Option("--allow-missing", help="Import the rest of a scene that has unsupported parts."),
     ] = False,
 ) -> None:
     """Make a scene document and its files of another renderer's scene."""
@@ -262,7 +262,7 @@ def export_scene(
     samples: Samples = 256,
     allow_missing: Annotated[
         bool,
-        typer.Option("--allow-missing", help="Export the rest of a scene that has parts without an equal."),
+        typer.Option("--allow-missing", help="Export the rest of a scene that has unsupported parts."),
     ] = False,
 ) -> None:
     """Make another renderer's scene of a scene document."""
@@ -283,7 +283,7 @@ def doctor(
     ] = None,
     as_json: AsJson = False,
 ) -> None:
-    """Say what is missing on this machine and how to get it. Exit status 1 if something needed is."""
+    """List missing programs and packages and how to get them. Exits with 1 if a required one is missing."""
     from nocturne_client.local.doctor import examine, table_of
     from nocturne_client.local.service_check import examine_service
 

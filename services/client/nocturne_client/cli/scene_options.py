@@ -26,7 +26,7 @@ Light = Annotated[
     ),
 ]
 AllowMissing = Annotated[
-    bool, typer.Option("--allow-missing", help="Leave out what of an imported scene has no equal.")
+    bool, typer.Option("--allow-missing", help="Leave out unsupported parts of an imported scene.")
 ]
 DEFAULT_EDGE = 512
 Width = Annotated[int, typer.Option("--width", help="Pixels.")]

@@ -191,7 +191,7 @@ def group(
 
 
 def cancel(render_id: RenderId, url: Url = None, as_json: AsJson = False) -> None:
-    """Stop a render; what was merged stays and can be fetched."""
+    """Stop a render; its merged samples stay and can be fetched."""
     with Client(url) as client:
         print_render(client.cancel(render_id), as_json)
 
@@ -215,7 +215,7 @@ def delete(
 
 
 def pause(render_id: RenderId, url: Url = None, as_json: AsJson = False) -> None:
-    """No more work on a render until it is resumed; what was merged stays."""
+    """Pause a render until it is resumed; its merged samples stay."""
     with Client(url) as client:
         print_render(client.pause(render_id), as_json)
 
@@ -257,7 +257,7 @@ def priority(
     url: Url = None,
     as_json: AsJson = False,
 ) -> None:
-    """Change how much of the workers a render gets beside others of its owner."""
+    """Change a render's share of the workers among the renders of its owner."""
     with Client(url) as client:
         print_render(client.set_priority(render_id, weight), as_json)
 
@@ -293,7 +293,7 @@ def tag(
 
 
 def usage(url: Url = None, as_json: AsJson = False) -> None:
-    """Show who uses what share of the workers, and what it cost so far."""
+    """Show each owner's share of the workers, and its cost so far."""
     with Client(url) as client:
         found = client.usage()
     print_json(asdict(found)) if as_json else print_usage(found)
@@ -309,7 +309,7 @@ def explain(render_id: RenderId, url: Url = None, as_json: AsJson = False) -> No
 def workers(
     drain: Annotated[
         str,
-        typer.Option("--drain", metavar="WORKER", help="Give this one no more jobs: it ends what it has."),
+        typer.Option("--drain", metavar="WORKER", help="Give this worker no more jobs; it finishes its own."),
     ] = "",
     release: Annotated[
         str,

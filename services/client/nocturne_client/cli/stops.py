@@ -18,7 +18,9 @@ Error = Annotated[
 ]
 TileError = Annotated[
     str,
-    typer.Option("--tile-error", help="Each tile stops at this relative error of its own: noisy ones go on."),
+    typer.Option(
+        "--tile-error", help="Each tile stops when its own relative error is this small: noisy ones go on."
+    ),
 ]
 For = Annotated[str, typer.Option("--for", help='Stop after running so long: "90 min", "8h".')]
 Cpu = Annotated[str, typer.Option("--cpu", help='Stop after so much processor time: "40h".')]

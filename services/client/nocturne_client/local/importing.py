@@ -38,7 +38,7 @@ def import_to(file: Path, folder: Path, options: ImportOptions, *, kept: bool = 
         problems = [Problem(each.place, each.message) for each in error.problems]
         said = f"{file} can't be imported"
         if isinstance(error, Incomplete) and not kept:
-            said += "; --allow-missing leaves out what has no equal" if error.imported.missing else ""
+            said += "; --allow-missing leaves out unsupported parts" if error.imported.missing else ""
         elif isinstance(error, Incomplete):
             said += f" as it is; {error.imported.document} holds the rest, to be edited"
             if error.imported.missing and not options.allow_missing:
