@@ -224,7 +224,7 @@ _PAGE_HEAD = """# Gallery
 
 <!-- Made by `make gallery`; edit examples/gallery.toml and the examples' own pages, not this page. -->
 
-Every example with its picture, what it shows and what it cost. The pictures are tone-mapped (Reinhard 2002);
+Every example with its picture, description and cost. The pictures are tone-mapped (Reinhard 2002);
 absolute values are in the images that `nocturne render` writes. *Samples* are per pixel, *CPU time* is that
 of the whole command, compiling included, on {machine}, and *error* is the [relative
 error](glossary.md#images-and-their-errors) as the image itself estimates it.
