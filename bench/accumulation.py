@@ -1,8 +1,8 @@
-"""What adding up costs in accuracy: sums of up to 1e9 samples of a pixel, in single and in double precision.
+"""Accuracy of sums: up to 1e9 samples of a pixel are added, in single and in double precision.
 
-Samples are exponentially distributed 32-bit floats, added one after another, as a pixel's are; ours are sums
-of ranges of 4096 samples in double precision, merged in order. The truth is their sum in 80-bit floats. A
-sum's own noise, 1 / sqrt(n) here, is what the error must be small beside. The tracer itself is asked for a
+Samples are exponentially distributed 32-bit floats, added one after another, as a pixel's are; Nocturne adds
+ranges of 4096 samples in double precision, merged in order. The truth is their sum in 80-bit floats. The
+error must be small compared with the sum's own noise, 1 / sqrt(n) here. The tracer itself is asked for a
 constant: its mean over more samples than a 32-bit float can count must be that constant.
 """
 
@@ -46,7 +46,7 @@ def run(quick: bool) -> Figures:
 
 
 def rows(figures: Figures) -> list[Row]:
-    """Errors beside the noise."""
+    """Errors compared with the noise."""
     table = []
     for point in figures["sums"]:
         told = ", ".join(f"{name} {point[name]:.2g}" for name in ("float32", "float64", "ours"))

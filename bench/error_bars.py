@@ -1,11 +1,10 @@
 """Error bars: how often intervals hold the truth, and whether the heavy-tail diagnostic knows when not.
 
-Films of 12 by 12 pixels with 64 samples, rendered 50 times (200 times with BENCH=full; the last row says how
-often it was) with other seeds. The truth is the mean of 16 images with together at least 200 times the
-samples of a render. The way to trace is what the pilot chooses for a long render, where a scene does not
-name one. Intervals are right where 68, 95 and 99 % of them hold it, and called broken where fewer
-than 90 % of the 95 % intervals do. Sobol points make errors smaller than error bars say: coverage above
-nominal is no fault.
+Films of 12 by 12 pixels with 64 samples, rendered 50 times (200 times with BENCH=full; the last row has the
+number) with other seeds. The truth is the mean of 16 images with together at least 200 times the
+samples of a render. The pilot chooses the method, as for a long render, unless the scene names one. Intervals
+are right if 68, 95 and 99 % of them hold the truth, and called broken if fewer than 90 % of the 95 %
+intervals do. Sobol points make errors smaller than error bars say: coverage above nominal is no fault.
 
 The headlight is left out: each photon that its clear cover catches meets up to a thousand surfaces, and 200
 renders with their truth would take hours.

@@ -1,27 +1,32 @@
-"""docs/explanation/chosen.md: how the default traces each scene, and what that is worth; of kept figures."""
+"""docs/explanation/chosen.md: the default's method for each scene, and its gain; from kept figures."""
 
 from bench.report import Figures
 from bench.suite.aims import best
 from bench.trap_scenes import TRAPS
 from bench.traps import ALONE, DEFAULT
 
-_PAGE = """# What was chosen, and what it was worth
+_PAGE = """# The chosen methods, and their gains
 
 <!-- Made by `make bench`; edit bench/suite/chosen.py, not this page. -->
 
-Nobody has to know how a scene is best traced: a pilot of a few hundred thousand photons tries photons from
-the sensor, from the luminaires and from both, and neighbours that share, when the scene is compiled
-([decision 0062](../decisions/0062-ways-are-chosen-by-a-pilot.md)), and learns where photons from luminaires
-are to be aimed ([decision 0081](../decisions/0081-learned-aims.md)) and photons from the sensor guided
-([decision 0104](../decisions/0104-learned-light.md)). Page, EXR (`nocturne:way`) and
-`nocturne get` say what it chose. A scene may say otherwise in its `tracing`.
+Users need not know the best method for a scene. When the scene is compiled, a pilot of a few hundred
+thousand photons tries photons from the sensor, from the luminaires and from both, and sharing between
+neighbours ([decision 0062](../decisions/0062-ways-are-chosen-by-a-pilot.md)). It also learns targets for
+photons from luminaires ([decision 0081](../decisions/0081-learned-aims.md)) and directions for photons from
+the sensor ([decision 0104](../decisions/0104-learned-light.md)). Page, EXR (`nocturne:way`) and
+`nocturne get` show its choice. A scene may choose otherwise in its `tracing`.
 
-What that is worth on the scenes of [speed.md](speed.md): relMSE of the default at the longest of the equal
-times there, over that of photons from the sensor with each pixel alone, and over that of the best way that
-we measured, which a person would have to know. What the pilot takes is left out. Of few images: a factor of
-1.3 may be chance, and more where single photons decide, as those of the glossy spheres' mirrored Sun. Errors
-below 0.01 % (relMSE 1e-8, nearer than references are known) count as equal. *Without the worst*: relMSE x
-time over that alone, without the worst 0.1 % of the pixels, at least one.
+The table has ratios of relMSE at equal time on the scenes of [speed.md](speed.md), at the longest of the
+times there. Below 1 the default is better.
+
+- *Over alone* compares the default with photons from the sensor, each pixel alone.
+- *Over the best* compares it with the best method that was measured for that scene.
+- *Without the worst* is like *over alone*, but for relMSE x time without the worst 0.1 % of the pixels, at
+  least one.
+
+The pilot's own time is not included. Few images were measured: a factor of 1.3 may be chance, and more where
+single photons decide, as those of the glossy spheres' mirrored Sun. Errors below 0.01 % (relMSE 1e-8, smaller
+than those of the references) count as equal.
 
 | scene | chosen | over alone | without the worst | over the best (which) |
 | --- | --- | --- | --- | --- |
@@ -30,9 +35,10 @@ time over that alone, without the worst 0.1 % of the pixels, at least one.
 _FOOLS = """
 ## Scenes made to fool it
 
-Light through a keyhole, behind panes, by mirrors, from one lamp of many and the like (`python -m bench
-traps`): efficiency, 1 / (relMSE x processor time), of the default over that alone, and over that of the
-best of adjoint, shared, both directions, and both and shared.
+These scenes have light through a keyhole, behind panes, by mirrors, from one lamp of many and the like
+(`python -m bench traps`). The table has ratios of efficiency, 1 / (relMSE x processor time): of the default
+over photons from the sensor with each pixel alone, and over the best of adjoint, shared, both directions,
+and both and shared. Above 1 the default is better.
 
 | scene | chosen | over alone | over the best (which) |
 | --- | --- | --- | --- |

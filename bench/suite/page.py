@@ -1,4 +1,4 @@
-"""docs/explanation/speed.md, accuracy.md and chosen.md, made of kept figures, and the charts."""
+"""docs/explanation/speed.md, accuracy.md and chosen.md, written from kept figures, and the charts."""
 
 import json
 
@@ -20,22 +20,23 @@ _SPEED = """# Speed: error against time
 
 <!-- Made by `make bench`; edit bench/suite/page.py, not this page. -->
 
-For each scene, how many seconds of one processor a way to trace needs for an image that is right to 1 %
-(relMSE of Y {target:g}), beside the best. Errors are against stored references ([accuracy.md](accuracy.md)),
-measured in one run, in turns, by the CPU time of the process; loading and compiling are left out.
+For each scene, a table shows how many seconds of one processor each method needs for an image that is right
+to 1 % (relMSE of Y {target:g}), and the ratio of that time to the best. Errors are against stored references
+([accuracy.md](accuracy.md)), measured in one run, in turns. Times are CPU times of the process, without
+loading and compiling.
 
-- *Exponent*: the error falls with this power of time. -1 is what independent samples give, Sobol points are
-  steeper on smooth scenes, and above {falling:g} a way does not converge within these times: no time to 1 %
-  is told. Times below the shortest that was measured count as equal.
-- *relMSE*: what a line through all budgets says of the longest.
+- *Exponent*: the error falls with this power of time. Independent samples give -1, and Sobol points are
+  steeper on smooth scenes. Above {falling:g} a method does not converge within these times, and no time to
+  1 % is shown. Times below the shortest that was measured count as equal.
+- *relMSE*: at the longest time, by a line fitted through all times.
 - *Without the worst*: relMSE at the longest time without the worst 0.1 % of the pixels, at least one, over
   that of all pixels. Far below 1, single pixels carry the error.
-- *z*: deviation of the image's mean in standard errors, at the longest time. A way that finds no light at all
+- *z*: deviation of the image's mean in standard errors, at the longest time. A method that finds no light
   has a relMSE below 1 and a large z.
 
-Ways are those of [stability.md](stability.md); relMSE = mean of (I - R)^2 / (R^2 + 0.01 mean(R)^2). Films are
-small, some 24 by 16 pixels, so that references are; Mitsuba's llvm variants have a cost for each image, which
-larger films would hide better.
+The methods are those of [stability.md](stability.md); relMSE = mean of (I - R)^2 / (R^2 + 0.01 mean(R)^2).
+Films have only some 24 by 16 pixels, so that references are small. Mitsuba's llvm variants have a fixed cost
+for each image, which matters less on larger films.
 
     make bench                            # all benches, and this; the suite alone: a quarter of an hour
     make bench BENCH=full                 # longer times, three rounds: hours
@@ -44,25 +45,28 @@ larger films would hide better.
 
 """
 
-_ACCURACY = """# Accuracy: what is known of errors
+_ACCURACY = """# Accuracy: references and errors
 
 <!-- Made by `make bench`; edit bench/suite/page.py, not this page. -->
 
-What a pixel says and what is simplified: [units-and-errors.md](units-and-errors.md). What comes of scenes
-that break methods: [stability.md](stability.md). Commands: `make bench`, `make stability`; references:
+The meaning of a pixel and all simplifications are in [units-and-errors.md](units-and-errors.md). Scenes that
+break methods are in [stability.md](stability.md). Commands: `make bench`, `make stability`; references:
 `python -m bench.suite --references`.
 
 ## References
 
-Means of 16 independent images by the most reliable way for a scene, each with its own error, checked by a
-second way. *relMSE*: its own, which is taken off the errors of others in expectation: where it is as large as
-they are, nothing can be told of them. *Ratio*: mean luminance over that of the second way, which should be 1.
-*rms z*: differences of pixels over their standard errors, a little above 1 if both are right (errors from 16
-images are themselves uncertain). A large rms z with a ratio near 1 comes of rare bright
-photons in the second way.
+A reference is the mean of 16 independent images by the most reliable method for its scene, with its own
+error, checked by a second method.
 
-The second way hardly finds the light of the headlight: few bright photons make its mean, and its own error
-says too little. With 170 CPU s in eight images it was 3.83 +- 0.27 cd/m2, and the first way 3.697 +- 0.008.
+- *relMSE*: the reference's own error. It is subtracted, in expectation, from errors measured against the
+  reference; a method no worse than this cannot be ranked.
+- *Ratio*: mean luminance over that of the second method, which should be 1.
+- *rms z*: differences of pixels over their standard errors, a little above 1 if both are right (errors from
+  16 images are themselves uncertain). A large rms z with a ratio near 1 is due to rare bright photons in the
+  second method.
+
+The second method seldom finds the light of the headlight: few bright photons make its mean, and its own error
+is too small. With 170 CPU s in eight images it was 3.83 +- 0.27 cd/m2, and the first method 3.697 +- 0.008.
 
 | scene | CPU s | error of a pixel, median | relMSE | ratio of means | z | rms z |
 | --- | --- | --- | --- | --- | --- | --- |
@@ -82,8 +86,8 @@ def write_pages(figures: Figures) -> None:
 
 
 def summary_of(figures: Figures) -> list[dict[str, object]]:
-    """The page's two charts of the benches, by scene: seconds to 1 % by each of our ways, the default
-    among them, and its error over that of the peer's best in the same time. None: not known."""
+    """Data of the page's two charts, by scene: seconds to 1 % by each of our methods, including the default,
+    and the default's error over that of the peer's best in the same time. None: not known."""
     found = []
     for name, scene in figures.items():
         ways = scene["ways"]
@@ -106,7 +110,7 @@ def speed(figures: Figures) -> str:
     for name, found in figures.items():
         lines += [f"\n## {name.capitalize()}\n", f"![{name}](../../bench/results/{_file(name)})\n"]
         lines += [
-            "| way | CPU s to 1 % | over the best | exponent | relMSE | without the worst | z |",
+            "| method | CPU s to 1 % | over the best | exponent | relMSE | without the worst | z |",
             "| --- | --- | --- | --- | --- | --- | --- |",
         ]
         lines += _rows(found["ways"], min(found["budgets_cpu_s"]))
@@ -120,14 +124,15 @@ def speed(figures: Figures) -> str:
 
 
 def _aims(figures: Figures) -> list[str]:
-    """Error at equal CPU time beside the peer's best, and what was aimed at."""
+    """Error at equal CPU time over the peer's best, and the aim."""
     lines = [
-        "## Beside Mitsuba 3",
+        "## Compared with Mitsuba 3",
         "",
-        "relMSE at the longest time over that of the best variant of Mitsuba, by export: our best way, our",
-        "default, and what was aimed at. Of few images: a factor of 1.3 may be chance, and more where single",
-        "photons decide. Baselines do not count as ours. *Reference*: its own relMSE over that of the",
-        "peer: where it is near 1, the peer may be better than it seems, and above nobody can tell.",
+        "relMSE at the longest time over that of the best variant of Mitsuba, by export: Nocturne's best",
+        "method, its default, and the aim. Few images were measured: a factor of 1.3 may be chance, and more",
+        "where single photons decide. Baselines do not count as Nocturne's. *Reference*: the reference's own",
+        "relMSE over that of the peer. Near 1 the peer may be better than the figure, above 1 no comparison",
+        "is possible.",
         "",
         "| scene | our best | default | reference | aim | |",
         "| --- | --- | --- | --- | --- | --- |",
@@ -148,7 +153,7 @@ def _aims(figures: Figures) -> list[str]:
         own = expected_relmse(stored.error, stored.y) / ways[theirs]["error"]
         told, missed = "held", False
         if own > 1.0:
-            told = "not comparable: the peer is nearer than the reference is known"
+            told = "not comparable: the peer's error is below the reference's own"
         elif missed := ratio > aim:
             told = f"**missed by {ratio / aim:.2g}**"
         ratios = f"{ratio:.2g} ({ours}) | {default:.2g} | {own:.1g}"
@@ -182,7 +187,7 @@ def accuracy(found: Figures) -> str:
 
 
 def references() -> Figures:
-    """What is known of the stored references, by scene."""
+    """Costs and errors of the stored references, by scene."""
     found: Figures = {}
     for name in SCENES:
         stored = load(name)
@@ -198,7 +203,7 @@ def references() -> Figures:
 
 
 def _rows(ways: Figures, shortest: float) -> list[str]:
-    """Times below the shortest that was measured are told as such, and as equal."""
+    """Times below the shortest that was measured are shown as such, and count as equal."""
     times = [
         max(way["seconds_to_1_percent"], shortest) for way in ways.values() if "seconds_to_1_percent" in way
     ]

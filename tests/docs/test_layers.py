@@ -1,4 +1,4 @@
-"""Who may use whom in worker/src: the table in docs/architecture.md, the CMake files and the includes agree.
+"""Dependency rules of worker/src: the table in docs/architecture.md, the CMake files and the includes agree.
 
 All folders are on one include path, so the build alone misses a header of a folder that is not linked.
 """

@@ -11,19 +11,19 @@ from tests.stability.verdict import NOISY, Verdict, Word
 Matrix = dict[str, dict[str, Verdict]]
 """Verdicts by case and method."""
 
-_HEAD = """# Stability: what comes of scenes that break methods
+_HEAD = """# Stability: scenes that break methods
 
 <!-- Made by `make stability`; edit tests/stability, not this page. -->
 
-Small scenes whose answer is known, each with something extreme in it, by every method that applies. A cell
-says what came of it:
+Small scenes with a known answer, each with one extreme feature, are traced by every applicable method. A cell
+gives the result:
 
 - **right**: the mean over the film is the truth, within chance and what the case allows; behind ± is the
   standard error, which says how small a fault could have been seen.
 - **noisy**: no fault is seen, but the standard error is above {noisy:g} %, or single pixels carry the sum, or
   a deviation became smaller with more samples (a heavy tail: error bars are not to be trusted).
-- **off by** so much: what is read is not the truth, and more samples do not mend it. *Warned of*: compiling
-  the scene says so. By the default every such cell is.
+- **off by** so much: the measured value is not the truth, and more samples do not help. *Warned of*: compiling
+  the scene says so. Every such cell of the default method has this warning.
 - **uneven**: pixels that should be alike differ by far more than their error bars.
 - **found nothing**: no photon met any light.
 - **refused**: an error, before anything is traced. For the last group this is the only right answer.
@@ -55,7 +55,7 @@ def as_json(matrix: Matrix, machine: str) -> str:
 
 
 def from_json(text: str) -> Matrix:
-    """What `as_json` wrote."""
+    """The matrix that `as_json` wrote."""
     return {
         case: {
             method: Verdict(
@@ -88,12 +88,12 @@ def _plain(verdict: Verdict) -> dict[str, Any]:
 _RARE = """
 ## Rare light
 
-Forty scenes of small bright lights and of things that gather their light
-([method](method.md#light-that-was-not-met)), each by the default alone: of the squares of 8 x 8
-pixels of {images} images, how many hold the truth in their 95 % interval; "of 90 %" where the images name the
+Forty scenes have small bright lights and surfaces that focus their light
+([method](method.md#light-that-was-not-met)), each traced by the default alone. A cell shows how many squares of
+8 x 8 pixels, of {images} images, hold the truth in their 95 % interval; "of 90 %" if the images name the
 others as not to be trusted. The truth is a longer image by photons from both directions, those from the
-luminaires aimed at all that gathers their light, {samples:,} samples of each pixel.
-**Bold**: fewer than {aim:g} %. *Told*: the images say how much of its mean may be missing. Made by
+luminaires aimed at all surfaces that focus their light, {samples:,} samples of each pixel.
+**Bold**: fewer than {aim:g} %. *Warned*: the images say how much of the mean may be missing. Made by
 `python -m bench rare_light`.
 
 | scene | {counts} |
@@ -120,14 +120,14 @@ def _rare_light(figures: dict[str, Any]) -> str:
             cells.append(
                 (f"**{held:.0%}**" if held < AIM else f"{held:.0%}")
                 + (f" of {trusted:.0%}" if trusted < 1.0 else "")
-                + (", told" if found[count]["told"] else "")
+                + (", warned" if found[count]["told"] else "")
             )
         lines.append(f"| {name} | {' | '.join(cells)} |")
     return "\n".join(lines) + "\n"
 
 
 def page(matrix: Matrix, rare_light: dict[str, Any] | None = None) -> str:
-    """For people. `rare_light`: what the bench of that name found."""
+    """The matrix for readers. `rare_light`: the figures of the bench of that name."""
     cells = [verdict for row in matrix.values() for verdict in row.values()]
     done = [verdict for verdict in cells if verdict.word is not Word.NOT_APPLICABLE]
     counts = {word: sum(verdict.word is word for verdict in done) for word in Word}
@@ -183,7 +183,7 @@ def _advice(row: dict[str, Verdict], remedy: str) -> str:
     if not wrong:
         return ""
     biases = [abs(v.off or 0.0) for v in row.values() if v.word is Word.BIASED]
-    # One that would not have seen the others' fault is no way out.
+    # A method that would not have shown the others' fault is no remedy.
     enough = min(biases) / _SHARP if biases else 1.0
     right = [name for name, v in row.items() if v.word is Word.RIGHT and (v.error or 0.0) <= enough]
     use = (

@@ -36,7 +36,7 @@ def _pile(thickness: float) -> Case:
     ]
     return Case(
         f"ten plates of {thickness:g} m",
-        "gaps and plates, thin beside their width",
+        "gaps and plates, thin compared with their width",
         lit(beam(0.0), [*plates, _dark_above()]),
         0.54545455,
         "Stokes 1862: (1 - r) / (1 + (2 m - 1) r), m plates",

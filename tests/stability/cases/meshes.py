@@ -52,7 +52,7 @@ def _back_to_back() -> Case:
         document["surfaces"].append({**wall, "shape": turned})
     return Case(
         "walls back to back",
-        "two squares in the same place that face opposite ways, each a one-sided lamp",
+        "two squares in the same place that face in opposite directions, each a one-sided lamp",
         document,
         2.0 * pi,
         FURNACE_SOURCE,

@@ -20,7 +20,7 @@ def _together(distance: float) -> Case:
         document,
         2.0 * pi,
         FURNACE_SOURCE,
-        remedy="keep still what does not move against the sensor",
+        remedy="keep objects still that do not move against the sensor",
     )
 
 
@@ -33,7 +33,7 @@ def _passing(distance: float) -> Case:
         "what moves far is there for a short time",
         lit(beam(0.0, 1e-3), [bar]),
         1.0 - 1.0 / (2.0 * distance),
-        "time that the bar covers the point: its width over the way",
+        "time that the bar covers the point: its width over the distance",
         samples=1024,
         allowed=1e-4,
     )

@@ -93,7 +93,7 @@ def _wide_slab(ratio: float) -> Case:
     plate = surface(box([-ratio, -ratio, -1.0], [ratio, ratio, 0.0]), glass)
     return Case(
         f"absorbing plate {ratio:g} times as wide as thick",
-        "rays start off a surface by a part of its size; what they skip must absorb, too",
+        "rays start off a surface by a part of its size; the skipped distance must absorb, too",
         lit(beam(0.0), [plate, _ceiling(2.0)]),
         0.36787944,
         "Beer and Lambert: exp(-1)",
