@@ -1,7 +1,7 @@
 """`python -m bench.caller URL GRPC`: another caller, by both transports; at SIGTERM one line of JSON.
 
-It calls from an address of this machine that nobody else calls from, one call after another, and says how
-long each kind of call had to wait for its answer, in seconds.
+It calls from an address of this machine that no other program uses, one call after another, and reports how
+long each kind of call waited for its answer, in seconds.
 """
 
 import json

@@ -1,7 +1,7 @@
-"""Ways to choose directions at equal time: figures 4 and 5 of the paper, as errors over CPU time.
+"""Methods of choosing directions at equal time: figures 4 and 5 of the paper, as errors over CPU time.
 
-What is hard in these scenes is rare and bright: single photons decide the squared error of a pixel. So films
-are small, with many samples for each pixel, and the errors compared leave out the worst pixels.
+The difficult light in these scenes is rare and bright: single photons decide the squared error of a pixel. So
+films are small, with many samples for each pixel, and the compared errors leave out the worst pixels.
 """
 
 import json
@@ -30,7 +30,7 @@ _TRIAL_SEED, _REFERENCE_SEED = 500, 1000
 
 @dataclass(frozen=True)
 class _Figure:
-    """A scene of the paper's figure, and ways to trace it by name; the first is compared with the others."""
+    """A scene of the paper's figure, and methods by name; the first is compared with the others."""
 
     number: int
     scene: str
@@ -102,7 +102,7 @@ def run(quick: bool) -> Figures:
 
 
 def rows(figures: Figures) -> list[Row]:
-    """How many times the first way's error the others have, at each time."""
+    """Ratios of the other methods' errors to the first method's, at each time."""
     table = []
     for name, figure in FIGURES.items():
         first, *others = figure.ways

@@ -1,5 +1,5 @@
-"""What crowds cost others: 2,000 watchers, 1,000 gRPC streams, a scene of a million instances. And how soon
-watchers are out whose token is revoked."""
+"""Costs of crowds for other callers: 2,000 watchers, 1,000 gRPC streams, a scene of a million instances. Also
+the time until watchers are cut off whose token is revoked."""
 
 import asyncio
 import json
@@ -49,7 +49,7 @@ _AFTER_S = 15.0
 
 
 def run(quick: bool) -> Figures:
-    """Each crowd in turn beside a running render, and none."""
+    """Each crowd in turn during a running render, and the render without a crowd."""
     watchers, streams, edge, after_s = (
         (200, 100, 100, 2.0) if quick else (WATCHERS, STREAMS, EDGE_OF_INSTANCES, _AFTER_S)
     )
@@ -82,16 +82,16 @@ def run(quick: bool) -> Figures:
 
 
 def rows(figures: Figures) -> list[Row]:
-    """What they got, and what it cost others."""
+    """Answers to the crowds, and the waits of other callers."""
     crowds = {
-        "nobody": "nobody",
+        "nobody": "no crowd",
         "beside_watchers": f"{figures['watchers']:,} watchers",
         "beside_streams": f"{figures['streams']:,} gRPC streams",
         "beside_instances": f"a scene of {figures['instances']:,} instances",
     }
     found = [
         Row(
-            f"beside {crowd}: wait of another caller, median and longest, s",
+            f"with {crowd}: wait of another caller, median and longest, s",
             f"{figures[key]['median_s']:.3g}, {figures[key]['longest_s']:.3g}",
             f"at most {AIM_S:g}",
         )
@@ -101,7 +101,7 @@ def rows(figures: Figures) -> list[Row]:
     if "shut_out_s" in figures:
         found.append(
             Row(
-                f"until {WATCHERS_OF_OWNER} watchers are out whose token is revoked, beside as many more, s",
+                f"until {WATCHERS_OF_OWNER} watchers with a revoked token are cut off, of twice as many, s",
                 f"{figures['shut_out_s']:.3g}",
                 f"at most {AIM_S:g}",
             )
@@ -111,7 +111,7 @@ def rows(figures: Figures) -> list[Row]:
         found.append(Row(f"answers to {figures[name]:,} {name}", said))
     found.append(
         Row(
-            "API beside nobody, watchers, streams, instances: cores; memory at the end, MiB",
+            "API with no crowd, watchers, streams, instances: cores; memory at the end, MiB",
             ", ".join(f"{figures[key]['api_cores']:.2g}" for key in crowds)
             + "; "
             + ", ".join(f"{figures[key]['api_mib']:.0f}" for key in crowds),

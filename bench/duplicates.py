@@ -1,9 +1,9 @@
 """Processor time of workers that no image got: without faults, and with workers killed again and again.
 
-Time is scaled by 60, so that minutes tell of a night: a job takes 0.5 s for 30 s, a lease 1/6 s for 10 s, and
-each worker is killed every 10 s, not every ten minutes, and is back at once. What the coordinator itself
-waits for is not scaled: it looks at workers every second, as if that were a minute. Audits are off: they are
-meant.
+Time is scaled by 60, so that minutes stand for a night: a job takes 0.5 s for 30 s, a lease 1/6 s for 10 s,
+and each worker is killed every 10 s, not every ten minutes, and is back at once. The coordinator's own waits
+are not scaled: it looks at workers every second, as if that were a minute. Audits are off: their second
+results are intended.
 """
 
 import time
@@ -44,7 +44,7 @@ def rows(figures: Figures) -> list[Row]:
 
 
 def _wasted(seconds: float, killed_s: float) -> Figures:
-    """What the workers did and was not merged. What they have in hand at the end counts for nothing."""
+    """Work of the workers that was not merged, without their unfinished jobs at the end."""
     audits = ("--audit-share", "0", "--audit-share-new", "0")
     with farm(*audits) as service:
         with fleet(service.url, WORKERS, JOB_S / SCALE, LEASE_S / SCALE, killed_s) as said:

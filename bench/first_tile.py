@@ -37,7 +37,7 @@ class FirstTile:
     """Seconds since Render was pressed, one after the other."""
 
     submitted: float
-    """The service has answered: checked, compiled, the way chosen by a pilot, queued."""
+    """The service has answered: checked, compiled, the method chosen by a pilot, queued."""
     started: float
     """A coordinator has taken the render up."""
     first_samples: float
@@ -46,7 +46,7 @@ class FirstTile:
     """And these are here."""
 
     def parts(self) -> dict[str, float]:
-        """What each took after the one before."""
+        """Seconds that each step took after the one before."""
         moments = asdict(self)
         before = [0.0, *moments.values()]
         return {name: at - since for (name, at), since in zip(moments.items(), before, strict=False)}
@@ -86,7 +86,7 @@ def rows(figures: Figures) -> list[Row]:
     return [
         Row("Render to first tile, s", spread_text(figures["first_tile_s"]), aim),
         Row("with two layers, s", spread_text(figures["with_layers_s"]), aim),
-        Row("a way that is named, without a pilot, s", spread_text(figures["without_pilot_s"])),
+        Row("with a named method, without a pilot, s", spread_text(figures["without_pilot_s"])),
         Row("parts with layers, s", parts),
         Row(
             "first render, under a sky of 2048 x 1024, s",
@@ -175,7 +175,7 @@ def _events(stream: httpx.Response) -> Iterator[tuple[str, Any]]:
 
 
 def _rest(http: httpx.Client) -> None:
-    """Waits until no worker traces, and layers that are on the way are there."""
+    """Waits until no worker traces, and layers in progress are finished."""
     end = time.monotonic() + _PATIENCE_S
     while time.monotonic() < end:
         if all(each["rays_per_second"] == 0 for each in http.get("/v1/workers").json()["workers"]):

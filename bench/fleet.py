@@ -1,8 +1,8 @@
 """`python -m bench.fleet REDIS WORKERS JOB_S LEASE_S KILLED_S KEY`: workers that do all but trace.
 
-Each follows docs/explanation/queue.md with a consumer, a status every two seconds and renewed claims of its
-own. What a job takes is waited for; its sums are the same for all jobs of as many samples. Prints one line
-of JSON at SIGTERM. With KEY, hexadecimal or empty, all are of machine MACHINE, and sign.
+Each follows docs/explanation/queue.md with its own consumer, a status every two seconds and its own renewed
+claims. It waits for the time of a job; the sums are the same for all jobs of as many samples. Prints one line
+of JSON at SIGTERM. With KEY, hexadecimal or empty, all belong to machine MACHINE, and sign their results.
 """
 
 import json
@@ -58,7 +58,7 @@ class ResultMaker:
         job = job_pb2.Job.FromString(job_bytes)
         samples, pixels = job.end_sample - job.first_sample, job.tile.width * job.tile.height
         if (samples, pixels) not in self._partials:
-            # Like those of a picture: among a million equal numbers some steps take other ways.
+            # Varied like those of a picture: with a million equal numbers some steps take other branches.
             lit = np.random.default_rng(samples).uniform(0.5, 2.0, (job.tile.height, job.tile.width, 3))
             drawn = lit * samples
             sums = sums_of_independent(drawn, np.full(drawn.shape[:2], 1.5), samples).encode()
@@ -72,14 +72,14 @@ class ResultMaker:
 
 @dataclass
 class Fleet:
-    """Workers and what they wait for; `due` in seconds of the monotonic clock."""
+    """Workers and their pending events; `due` in seconds of the monotonic clock."""
 
     client: Any
     workers: list[_Worker]
     job_s: float
     lease_s: float = _LEASE_S
     killed_s: float = 0.0
-    """Mean time between two deaths of a worker; 0: they live for ever."""
+    """Mean time between two deaths of a worker; 0: they never die."""
     key: bytes = b""
     """Of the machine that they are of; empty: of none."""
     idle: deque[int] = field(default_factory=deque)
@@ -105,7 +105,7 @@ class Fleet:
         self.idle.extend(chance.sample(range(len(self.workers)), len(self.workers)))
 
     def turn(self) -> None:
-        """What is due now; waits a little where nothing is."""
+        """Events that are due now; waits a little if there are none."""
         now = time.monotonic()
         self._die(now)
         sent = self._say_alive(now) + self._renew(now) + self._finish(now) + self._take(now)
@@ -113,7 +113,7 @@ class Fleet:
             time.sleep(_PAUSE_S)
 
     def _die(self, now: float) -> None:
-        """Without a word, and back at once under the same name: what it had in hand is not done."""
+        """The worker dies silently and is back at once under the same name; its job is not done."""
         for index in _due(self.deaths, now):
             heappush(self.deaths, (now + self.chance.expovariate(1 / self.killed_s), index))
             worker = self.workers[index]

@@ -1,8 +1,8 @@
-"""What the default is worth on a film of 1920 x 1080 pixels, where photons start at the luminaires.
+"""Gain of the default on a film of 1920 x 1080 pixels, where photons start at the luminaires.
 
-Efficiency is 1 / (relMSE x CPU seconds). Pixels have too few samples for a reference image, so the squared
-error of a way is half the squared difference of its images by two seeds, and what a pixel shows is the mean
-over all images of a square of 20 x 20 pixels. What the pilot takes counts to the default's time.
+Efficiency is 1 / (relMSE x CPU seconds). Pixels have too few samples for a reference image. So the squared
+error of a method is half the squared difference of its images by two seeds, and the reference value of a
+pixel is the mean over all images of a square of 20 x 20 pixels. The default's time includes the pilot.
 """
 
 import tempfile
@@ -34,7 +34,7 @@ _BLOCK = 20
 
 
 def run(quick: bool) -> Figures:
-    """All ways on both scenes, in turns."""
+    """All methods on both scenes, in turns."""
     film, cpu_s = (_QUICK_FILM, _QUICK_CPU_S) if quick else (_FILM, _CPU_S)
     return {name: _scene(name, film, cpu_s) for name in SCENES}
 
@@ -48,7 +48,7 @@ def rows(figures: Figures) -> list[Row]:
         ratio = ways[DEFAULT] / ways[best]
         table += [
             Row(
-                f"{name}, 1920 x 1080: efficiency, default / the best way ({best})",
+                f"{name}, 1920 x 1080: efficiency, default / the best method ({best})",
                 f"{ratio:.3g}",
                 "at least 0.67",
             ),

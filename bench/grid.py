@@ -1,7 +1,7 @@
 """A large density grid through the whole service: upload, compile, fetch, trace; memory by process.
 
 The grid is noise in every voxel, which neither compression nor sparsity makes much smaller. Two worker
-processes fetch it into one cache; each has a copy of its own in memory.
+processes fetch it into one cache; each has its own copy in memory.
 """
 
 import json
@@ -88,7 +88,7 @@ def run(quick: bool) -> Figures:
 def rows(figures: Figures) -> list[Row]:
     """Times, and memory as parts of the grid."""
     grid, seconds, most = figures["grid_bytes"], figures["seconds"], figures["most_bytes"]
-    # JSON does not keep the order; what comes again comes last.
+    # JSON does not keep the order; repeated steps come last.
     order = [first + name for first in ("", "again: ") for name in _STEPS]
     times = ", ".join(f"{name} {seconds[name]:.3g}" for name in order if name in seconds)
     memory = ", ".join(

@@ -1,4 +1,4 @@
-"""What it was measured on."""
+"""Names the machine of a measurement."""
 
 import os
 from pathlib import Path

@@ -1,8 +1,8 @@
 """Media: photons a second, cost over optical thickness, and ray marching for comparison.
 
-The paper's figures 6 to 8. A photon's way through a medium costs in proportion to its optical thickness, n; a
-ray marcher whose steps have an optical thickness of their own takes n steps, and n more towards the light at
-each, so its cost grows with n squared. What it leaves out between steps is a bias.
+The paper's figures 6 to 8. A photon's path through a medium costs in proportion to its optical thickness, n.
+A ray marcher whose steps have a fixed optical thickness takes n steps, and n more towards the light at each,
+so its cost grows with n squared. The parts that it skips between steps are a bias.
 """
 
 import itertools
@@ -173,7 +173,7 @@ def _once(document: Document, folder: Path, size: _Size, samples: int) -> Compil
 
 
 def _photons_error(photons: list[dict[str, float]], cpu_s: float) -> float:
-    """What photons reach in the same time: a straight line over both logarithms."""
+    """The error of photons at the same time, by a straight line over both logarithms."""
     times, errors = (np.log([each[key] for each in photons]) for key in ("cpu_s", "relmse"))
     slope, start = np.polyfit(times, errors, 1)
     return math.exp(start + slope * math.log(cpu_s))

@@ -93,7 +93,7 @@ def rows(figures: Figures) -> list[Row]:
 
 
 def _copy(service: RunningService, render_id: str, count: int) -> None:
-    """So many renders like one that has ended, with pictures of their own."""
+    """Makes so many copies of a render that has ended, each with its own picture."""
     images = service.data / "images"
     with sqlite3.connect(service.data / "nocturne.db", timeout=20) as database:
         columns = [row[1] for row in database.execute("PRAGMA table_info(render)") if row[1] != "number"]

@@ -1,4 +1,4 @@
-"""Efficiency beside Mitsuba 3's, and whether both show the same picture."""
+"""Efficiency compared with Mitsuba 3's, and whether both show the same picture."""
 
 import math
 import statistics
@@ -97,7 +97,8 @@ def _scene(scene: Scene, size: _Size, installed: Installed) -> Figures:
 
 
 def _ours(document: Document, folder: Path, film: FilmSize, size: _Size) -> tuple[Ours, str]:
-    """By the way that a pilot chooses for the largest budget, whose time is left out; the way in words."""
+    """The tracer with the method that a pilot chooses for the largest budget, and that method in words. The
+    pilot's time is not counted."""
     plain = Ours(compile_film(document, folder, film.width, film.height, 1), film, _THREADS)
     rate = plain.frame(size.trial_samples, _TRIAL_SEED).cpu_s / size.trial_samples
     samples = _samples(max(size.budgets_cpu_s), rate)

@@ -1,8 +1,8 @@
 """How often a pilot's choice is a good one: forty scenes, and pilots by sixteen seeds in each.
 
-Efficiency is 1 / (relMSE x CPU seconds). That of what each pilot chose, over the best of all that any of them
-chose and of the ways that a person could name. The best is found by half of the images and compared in the
-other half, and the other way round: the least of many equal figures would else look better than it is.
+The figure is the efficiency, 1 / (relMSE x CPU seconds), of each pilot's choice, over the best of all choices
+and of the methods that a user could name. The best is found by half of the images and compared in the other
+half, and vice versa: otherwise the least of many equal figures would look better than it is.
 """
 
 import tempfile
@@ -30,7 +30,7 @@ _SAMPLES = 512
 _FORTY = 40
 _SEEDS, _CPU_S = 16, 0.2
 _ROUNDS, _MORE_ROUNDS, _CLOSE = 8, 24, 3.0
-"""Of all ways, then of those that are not so many times worse than the best."""
+"""Rounds of all methods, then of those that are at most so many times worse than the best."""
 _REFERENCES, _REFERENCE_CPU_S, _REFERENCE_SEED = 8, 1.5, 5000
 _GOOD, _BAD, _LEAST = 1.25, 2.0, 1e-12
 _AIM = 0.9

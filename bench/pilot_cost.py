@@ -1,7 +1,7 @@
-"""What a pilot takes of a render of a minute, for scenes that gain by it and for those that do not.
+"""A pilot's part of a render of a minute, for scenes that gain by it and for those that do not.
 
-Processor seconds of compiling a scene that leaves the way open, less those of the same scene with a way
-named, over a minute; the suite's scenes on a larger film, as sharing needs one.
+The figure is the processor seconds of compiling a scene that leaves the method open, less those of the same
+scene with a named method, over a minute. The suite's scenes have a larger film here, as sharing needs one.
 """
 
 import tempfile

@@ -1,7 +1,8 @@
-"""How often a pilot lets neighbours share, by seeds and sizes of renders, beside what sharing is worth.
+"""How often a pilot lets neighbours share, by seeds and sizes of renders, and the gain of sharing there.
 
-Efficiency is 1 / (relMSE x CPU seconds), of 4 x 4 pixels that share over that of pixels alone. A pilot counts
-rays instead of timing them: what an occlusion query between neighbours costs is told in rays of pixels alone.
+The gain is the efficiency, 1 / (relMSE x CPU seconds), of 4 x 4 pixels that share over that of pixels alone.
+A pilot counts rays instead of timing them: the cost of an occlusion query between neighbours is given in rays
+of pixels alone.
 """
 
 import statistics

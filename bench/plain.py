@@ -1,9 +1,9 @@
-"""What a scene pays for all that the tracer could do: the Cornell box by a tracer that can do nothing else.
+"""Cost of unused features: the Cornell box by the tracer, and by one that has no other features.
 
-`nocturne-trace-plain` is nocturne-trace compiled with headers of `worker/plain` in the places of its own. It
-knows one kernel, no media, and no surfaces that touch. Textures, instances, motion and the other estimators
-are in both. The images must be the same to the bit. Instructions are counted by Valgrind, whatever else the
-machine does; CPU times are measured in turns.
+`nocturne-trace-plain` is nocturne-trace compiled with headers of `worker/plain` in place of the usual ones.
+It knows one kernel, no media, and no surfaces that touch. Textures, instances, motion and the other
+estimators are in both. The images must be the same to the bit. Instructions are counted by Valgrind, whatever
+else the machine does; CPU times are measured in turns.
 """
 
 import math

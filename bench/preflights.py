@@ -1,6 +1,6 @@
 """Which parts of the examples matter for an error of 2 %: `nocturne preflight` over all of them.
 
-Keeps what was found as JSON and as a table in bench/results.
+Keeps the results as JSON and as a table in bench/results.
 
 `python -m bench.preflights [--budget SECONDS] [SCENE ...]`: a scene is a folder of examples; by default, all
 are.
@@ -28,7 +28,7 @@ Found = dict[str, Any]
 
 
 def main() -> None:
-    """Run preflights, keep what was found and write the table."""
+    """Run preflights, keep the results and write the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--budget", type=float, default=120.0)
     parser.add_argument("scenes", nargs="*")

@@ -1,4 +1,4 @@
-"""Runs our programs and says what they cost."""
+"""Runs Nocturne's programs and measures their costs."""
 
 import json
 import os
@@ -30,7 +30,7 @@ class Traced:
     y_error: Channel
     """Standard error of Y as independent samples would have it, shape (height, width)."""
     y_stderr: Channel
-    """The one that the image tells, with what one more find would bring."""
+    """The stored standard error, which includes the variance of one more lit sample."""
     photons: int
     rays: int
     tracing_cpu_s: float

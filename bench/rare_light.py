@@ -1,11 +1,11 @@
-"""Whether images tell how wrong they are where light is rare: forty scenes of small bright lights and of
-things that gather their light, by the defaults.
+"""Whether errors of images hold where light is rare: forty scenes of small bright lights and of surfaces that
+focus their light, by the defaults.
 
-Of the squares of 8 x 8 pixels of several images, each with its own random numbers and its own pilot, those
-count in which the image does not say that light may be missing: how many hold the truth in their interval.
-The truth is a longer image by photons from both directions, of which those from the luminaires bring what is
-gathered; they are aimed at all that gathers, by the scene and not by a pilot, which may have missed some.
-SCENES=words: only scenes in whose names these words are.
+Several images are rendered, each with its own random numbers and its own pilot. The bench counts their
+squares of 8 x 8 pixels for which the image does not warn of missing light, and how many of these hold the
+truth in their interval. The truth is a longer image by photons from both directions. Photons from the
+luminaires bring the focused light; the scene aims them at all surfaces that focus it, not a pilot, which may
+have missed some. SCENES=words: only scenes in whose names these words are.
 """
 
 import os

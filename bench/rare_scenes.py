@@ -1,5 +1,5 @@
-"""Forty scenes of small bright lights and of things that gather their light: each of five lights beside each
-of eight things, near or on a wide floor."""
+"""Forty scenes of small bright lights and of surfaces that focus their light: each of five lights with each
+of eight objects, near or on a wide floor."""
 
 from itertools import product
 from math import cos, radians, sin

@@ -20,7 +20,7 @@ _BEGIN, _END = "<!-- latest figures: written by `make bench` -->\n", "<!-- end o
 
 @dataclass(frozen=True)
 class Row:
-    """A line of the table: what was measured, the figure, the aim (empty where there is none)."""
+    """A line of the table: the quantity, its figure, the aim (empty if there is none)."""
 
     what: str
     figure: str

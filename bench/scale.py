@@ -84,7 +84,7 @@ def run(quick: bool) -> Figures:
 
 
 def rows(figures: Figures) -> list[Row]:
-    """What it can, and how it does what it must."""
+    """The coordinator's capacity in a flood, and its behaviour at the steady rate."""
     flood, steady = figures["flood"], figures["steady"]
     kept_waiting = steady["coordinator_kept_waiting"]
     many = f"{figures['workers']} workers, {figures['job_s']:g} s a job"
@@ -215,7 +215,7 @@ def farm(*options: str, enrolled: bool = False) -> Iterator[Farm]:
 def fleet(
     url: str, workers: int, job_s: float, lease_s: float = 10.0, killed_s: float = 0.0, key: bytes = b""
 ) -> Iterator[dict[str, Any]]:
-    """Workers in a process of their own; what they say at the end is in the dictionary afterwards."""
+    """Runs workers in a separate process; their final report is in the dictionary afterwards."""
     words = ["-m", "bench.fleet", url, *map(str, (workers, job_s, lease_s, killed_s)), key.hex()]
     said: dict[str, Any] = {}
     with subprocess.Popen([sys.executable, *words], stdout=subprocess.PIPE) as process:

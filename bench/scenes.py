@@ -59,7 +59,7 @@ def furnace(albedo: float) -> Document:
 
 
 def example(name: str, folder: Path) -> Document:
-    """A scene of examples/; files that it names are made in `folder`, by the script beside it."""
+    """A scene of examples/; files that it names are made in `folder`, by the script next to it."""
     place = CHECKOUT / "examples" / name
     folder.mkdir(parents=True, exist_ok=True)
     for script in place.glob("make_*.py"):

@@ -1,8 +1,8 @@
-"""What pixels gain that share what their photons find, and what they lose: beside pixels that are alone.
+"""Gains and losses of pixels that reuse their neighbours' paths, compared with pixels alone.
 
-Error for the same time; whether the blocks' squares show in the error (a line in its power spectrum); whether
-pixels at the edge of a tile, where blocks are cut off, are worse than others. Pictures for
-docs/explanation/sharing.md at equal processor time.
+The bench measures the error for the same time, whether the blocks' squares show in the error (a line in its
+power spectrum), and whether pixels at the edge of a tile, where blocks are cut off, are worse than others. It
+makes the pictures of docs/explanation/sharing.md at equal processor time.
 """
 
 import tempfile
@@ -47,13 +47,13 @@ _FULL, _QUICK = _Size(1, 64, 8, 6, 512), _Size(4, 16, 2, 2, 32)
 
 
 def run(quick: bool) -> Figures:
-    """All ways on all scenes, seeds in turns."""
+    """All methods on all scenes, seeds in turns."""
     size = _QUICK if quick else _FULL
     return {name: _scene(name, scenes()[name], size, draw=not quick) for name in SCENES}
 
 
 def rows(figures: Figures) -> list[Row]:
-    """Each way against pixels alone."""
+    """Each method against pixels alone."""
     table = []
     for name in SCENES:
         for way in list(WAYS)[1:]:
@@ -61,7 +61,7 @@ def rows(figures: Figures) -> list[Row]:
             table += [
                 Row(f"{name}, {way}: efficiency / alone", f"{found['efficiency']:.3g}"),
                 Row(
-                    f"{name}, {way}: largest line of the error's spectrum at blocks' frequencies / beside it",
+                    f"{name}, {way}: largest line of the error's spectrum at blocks' frequencies / near it",
                     f"{found['line']:.3g} (alone {figures[name]['alone']['line']:.3g})",
                     "at most 2",
                 ),
@@ -127,8 +127,8 @@ def _figures(frames: list[Frame], reference: Reference) -> Figures:
 
 
 def largest_line(errors: list[Channel]) -> float:
-    """Of the lines at multiples of the blocks' frequency, across and down: power over that of the lines
-    beside it."""
+    """The largest power of a line at a multiple of the blocks' frequency, across or down, over that of the
+    neighbouring lines."""
     power = np.mean([np.abs(np.fft.fft2(each - each.mean())) ** 2 for each in errors], axis=0)
     return max(_line(power.mean(axis=0)), _line(power.mean(axis=1)))
 

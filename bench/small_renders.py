@@ -1,8 +1,9 @@
-"""What the default is worth in renders of a second, whose pilot is a larger part of them.
+"""Gain of the default in renders of a second, whose pilot is a larger part of them.
 
-relMSE x CPU seconds of photons from the sensor for each pixel alone, over the same of the default with what
-its pilot takes; sums over seeds, each with a pilot of its own. Beside it what the pilots told people, who
-are told of the render alone: nothing where the default is to trace each pixel alone.
+The figure is relMSE x CPU seconds of photons from the sensor for each pixel alone, over the same of the
+default including its pilot. Both are sums over seeds, each with its own pilot. Next to it stands the gain
+that the pilots reported, which leaves out the pilot's time; they report none if the default is to trace each
+pixel alone.
 """
 
 import math
@@ -59,7 +60,7 @@ def rows(figures: Figures) -> list[Row]:
     return [
         Row(
             f"{name}, {each['samples']:,} samples in all: time to the same error, pixels alone / the default",
-            f"{each['worth']:.3g}; without its pilot {each['without_pilot']:.3g}, told {each['told']:.3g}; "
+            f"{each['worth']:.3g}; without pilot {each['without_pilot']:.3g}, reported {each['told']:.3g}; "
             f"pilot {100 * each['pilot']:.2g} % of the render",
         )
         for name in _SCENES

@@ -27,10 +27,10 @@ Random = np.random.Generator
 
 ASKED = 0.05
 WRONG = 2.0
-"""Times what was asked for."""
+"""An error of so many times the target counts as wrong."""
 
 MAX_WRONG_SHARE = 0.05
-"""Of an honest stop's images."""
+"""Part of the images that a correct stop may get wrong."""
 
 _EDGE = 24
 _LAST = 4096

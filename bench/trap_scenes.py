@@ -1,6 +1,6 @@
 """Small scenes whose light is hard to find for photons that know only kernels and luminaires.
 
-Each is a trap for a way of tracing: light comes through a keyhole, by way of the ceiling alone, from one of
+Each is a trap for a method: light comes through a keyhole, via the ceiling alone, from one of
 many lamps whose others stand behind a wall, through glass, by a mirror or a polished floor, or through
 fog.
 """

@@ -1,8 +1,8 @@
-"""What the default is worth where light is hard to find: scenes made to fool the pilot.
+"""Gain of the default where light is hard to find: scenes made to fool the pilot.
 
-Efficiency is 1 / (relMSE x CPU seconds). That of the default, with nothing declared, beside photons from
-the sensor for each pixel alone and beside the best of the ways that a person could name. What the pilot takes
-is left out.
+Efficiency is 1 / (relMSE x CPU seconds). The default, with nothing declared, is compared with photons from
+the sensor for each pixel alone, and with the best of the methods that a user could name. The pilot's time is
+not counted.
 """
 
 import tempfile
@@ -48,12 +48,12 @@ class _Size:
     reference_cpu_s: float
 
 
-# Rare bright samples decide: by three rounds one way had three times the efficiency of another, or a third.
+# Rare bright samples decide: in three rounds a method had three times the efficiency of another, or a third.
 _FULL, _QUICK = _Size(0.5, 12, 12, 2.0), _Size(0.05, 2, 2, 0.1)
 
 
 def run(quick: bool) -> Figures:
-    """All ways on all scenes, seeds in turns."""
+    """All methods on all scenes, seeds in turns."""
     size = _QUICK if quick else _FULL
     return {name: _scene(document(), size) for name, document in TRAPS.items()}
 
@@ -72,7 +72,9 @@ def rows(figures: Figures) -> list[Row]:
                 f"{ways[DEFAULT] / ways[ALONE]:.3g}",
                 "at least 1",
             ),
-            Row(f"{name}: efficiency, default / the best way ({best})", f"{ways[DEFAULT] / ways[best]:.3g}"),
+            Row(
+                f"{name}: efficiency, default / the best method ({best})", f"{ways[DEFAULT] / ways[best]:.3g}"
+            ),
         ]
     return table
 
@@ -89,7 +91,7 @@ def _scene(document: dict[str, Any], size: _Size) -> Figures:
             traced = {**document, "tracing": dict(tracing)}
             compiled = compile_film(traced, place, _FILM.width, _FILM.height, _FOR_A_PILOT, place / way)
             chosen = compiled.way or chosen
-            # What is traced alike is measured once: otherwise chance alone tells it apart.
+            # Methods that trace alike are measured once: otherwise they would differ by chance alone.
             traced_as[way] = _but_words(compiled.scene)
             ours.setdefault(traced_as[way], Ours(compiled, _FILM, _THREADS))
         default = ours[traced_as[DEFAULT]]
@@ -111,7 +113,7 @@ def _scene(document: dict[str, Any], size: _Size) -> Figures:
 
 
 def _but_words(scene: Path) -> bytes:
-    """What a compiled scene says, but for how its way was chosen."""
+    """The compiled scene without the sentence on the choice of its method."""
     message = scene_pb2.CompiledScene.FromString(scene.read_bytes())
     message.tracing.way = ""
     return message.SerializeToString(deterministic=True)

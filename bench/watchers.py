@@ -1,4 +1,5 @@
-"""What watchers cost the API: pages that follow one running render, each fetching every tile that changes."""
+"""Cost of watchers for the API: pages that follow one running render, each fetching every tile that
+changes."""
 
 import asyncio
 import json
@@ -35,7 +36,7 @@ class Seen:
 
 
 def run(quick: bool) -> Figures:
-    """Watchers join together at the start; what is measured begins when the first seconds are over."""
+    """Watchers join together at the start; the measurement begins when the first seconds are over."""
     watchers, warm_s, seconds = (10, 5.0, 5.0) if quick else (WATCHERS, _WARM_S, 30.0)
     with (
         running_service(workers=1, threads=THREADS) as service,

@@ -1,4 +1,4 @@
-"""The ways to trace that are compared: the tracer's own and the baselines."""
+"""The compared methods of tracing: the tracer's own and the baselines."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -42,7 +42,7 @@ def _only_media(document: Document) -> bool:
 
 @dataclass(frozen=True)
 class Way:
-    """A way to trace."""
+    """A method of tracing."""
 
     name: str
     about: str
@@ -52,10 +52,10 @@ class Way:
     """Of nocturne-trace."""
     applies: Callable[[Document], bool] = _always
     samples: float = 1.0
-    """Factor of a number of samples, so that ways take about the same time."""
+    """Factor of a number of samples, so that methods take about the same time."""
 
     def document(self, document: Document) -> Document:
-        """The document, traced this way."""
+        """The document, traced by this method."""
         return {
             **document,
             "tracing": {**document.get("tracing", {}), "direction": "adjoint", "sharing": 1, **self.tracing},

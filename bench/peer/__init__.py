@@ -1,1 +1,1 @@
-"""Another renderer beside ours: the scenes, their translation, and how it is installed and asked."""
+"""Comparison with another renderer: the scenes, their translation, its installation and its calls."""

@@ -1,4 +1,4 @@
-"""Mitsuba 3 in an environment of its own: a peer to measure against, not a dependency."""
+"""Mitsuba 3 in a separate environment: a peer to measure against, not a dependency."""
 
 import os
 import subprocess

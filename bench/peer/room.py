@@ -119,7 +119,7 @@ def _plaster() -> Channel:
 
 
 def _weave() -> Channel:
-    """A pattern of stripes both ways."""
+    """A pattern of stripes in both directions."""
     row, column = np.mgrid[0:_TEXELS, 0:_TEXELS]
     picture: Channel = 0.35 + 0.6 * (((row // 16) + (column // 16)) % 2)
     return picture

@@ -20,7 +20,8 @@ _SPOT_DIRECTION = (-0.5, 0.65, -0.55)
 def write_sky(path: Path) -> None:
     """A sky with a bright, blurred sun.
 
-    Grey, so that its spectrum is D65 for both: each makes coloured texels into spectra in its own way.
+    Grey, so that its spectrum is D65 for both: each renderer upsamples coloured texels to spectra
+    differently.
     """
     polar = (np.arange(_SKY_HEIGHT) + 0.5) * math.pi / _SKY_HEIGHT
     turn = (np.arange(_SKY_WIDTH) + 0.5) * 2 * math.pi / _SKY_WIDTH

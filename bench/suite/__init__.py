@@ -1,1 +1,1 @@
-"""Error against CPU time: scenes by ways to trace them, against stored references."""
+"""Error against CPU time: scenes by method, against stored references."""

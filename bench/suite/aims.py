@@ -1,4 +1,4 @@
-"""What is aimed at beside the peer, and why some aims are not reached."""
+"""Aims of the comparison with the peer, and why some are not reached."""
 
 from bench.report import Figures
 from bench.suite.measure import MITSUBA
@@ -39,16 +39,16 @@ WHY = {
     "colour chart": "no reason was looked for.",
     "instances": "no reason was looked for.",
 }
-"""Of scenes whose aim is missed, or that the peer can't show."""
+"""Reasons for scenes whose aim is missed, or that the peer can't render."""
 
 _BASELINES = ("path", "march")
 
 
 def best(ways: Figures, *, peers: bool) -> str | None:
-    """The way with the least error at the longest time; None where no way showed any.
+    """The method with the least error at the longest time; None if no method has one.
 
-    One whose mean is off by more than five standard errors found no light, or only a part of it: not finding
-    a lamp is no small error.
+    A method whose mean is off by more than five standard errors missed light, and is left out: its small
+    error means nothing.
     """
     found = {
         name: way["error"]

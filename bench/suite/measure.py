@@ -1,4 +1,4 @@
-"""Error over CPU time: every way at every budget, in turns."""
+"""Error over CPU time: every method at every budget, in turns."""
 
 import json
 import math
@@ -38,7 +38,8 @@ _FOR_A_PILOT = 2**16
 
 
 NOT_FALLING = -0.5
-"""An exponent of time above this: more time does not help as it should, so no time to an error is told."""
+"""With an exponent of time above this, more time does not help as it should, so no time to an error is
+shown."""
 
 
 def _has_important(document: Document) -> bool:
@@ -81,7 +82,7 @@ FULL = Size((0.5, 1.0, 2.0, 4.0, 8.0), 3)
 
 @dataclass(frozen=True)
 class _Runner:
-    """A contender, and how it is told how long to take."""
+    """A contender, and the costs by which its number of samples follows from a time."""
 
     contender: Contender
     cpu_s_per_sample: float
@@ -104,7 +105,7 @@ def peer() -> Installed | None:
 
 
 def measure(name: str, scene: SuiteScene, size: Size, installed: Installed | None) -> Figures:
-    """Errors of all ways that apply to a scene; NocturneClientError where its reference is missing."""
+    """Errors of all methods that apply to a scene; NocturneClientError if its reference is missing."""
     with tempfile.TemporaryDirectory(prefix="nocturne-bench-") as folder, ExitStack() as stack:
         place = Path(folder)
         document = scene.document(place)
@@ -128,7 +129,7 @@ def measure(name: str, scene: SuiteScene, size: Size, installed: Installed | Non
 
 
 def _told(reason: NocturneClientError) -> str:
-    """Of what can't be exported, what it is; of anything else, the message."""
+    """The features that can't be exported; for any other error, its message."""
     problems = list(dict.fromkeys(problem.message for problem in reason.problems))
     return "; ".join(problems) if problems else str(reason)
 
@@ -179,7 +180,7 @@ def _theirs(
 def _compare(
     runners: Mapping[str, _Runner], reference: Reference, size: Size, refused: dict[str, str]
 ) -> Figures:
-    """Those who fail on the way leave, and `refused` says why."""
+    """Contenders that fail are dropped, with the reason in `refused`."""
     rows: dict[tuple[str, float], list[dict[str, float]]] = {}
     for seed in range(size.rounds):
         for budget in size.budgets_cpu_s:
@@ -200,9 +201,9 @@ def _compare(
 
 
 def _errors(y: Channel, reference: Reference) -> dict[str, float]:
-    """The reference's own share of the error is taken off, so that what is left may be negative by chance.
+    """The reference's own error is subtracted, so the difference may be negative by chance.
 
-    Pixels that are not finite count as if they were right, and how many there are is told.
+    Pixels that are not finite count as if they were right, and their number is reported.
 
     The bias is that of the image's mean; its error is from the pixels' deviations, which include it, so
     that a bias everywhere can't make itself look small.

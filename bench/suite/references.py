@@ -1,7 +1,7 @@
-"""References: long images by the most reliable way, with their own error, stored small.
+"""References: long images by the most reliable method, with their own error, stored small.
 
-A reference is the mean of independent images, and its error comes from how these differ. A second way, as
-independent as the scene allows, makes another one; both must show the same.
+A reference is the mean of independent images, and its error follows from their differences. A second method,
+as independent as the scene allows, makes another one; both must agree.
 """
 
 import hashlib
@@ -23,7 +23,7 @@ from bench.suite.scenes import SuiteScene
 
 THREADS = 2
 ROUNDING = 2e-5
-"""Part of a pixel that single precision and tables may be off, beside chance."""
+"""Relative deviation of a pixel, beyond chance, that single precision and tables may cause."""
 
 _NOT_SHOWN = ("tracing", "important_directions", "name", "source", "note")
 _PARTS = 16
@@ -32,7 +32,7 @@ _SEED, _CHECK_SEED, _TRIAL_SEED = 1_000_000, 2_000_000, 3_000_000
 
 @dataclass(frozen=True)
 class Stored:
-    """A reference that was read, and what a second way said of it."""
+    """A reference that was read, and its agreement with a second method."""
 
     reference: Reference
     agreement: Figures
@@ -40,7 +40,8 @@ class Stored:
 
 
 def make(name: str, scene: SuiteScene, folder: Path, cpu_s: float) -> None:
-    """Traces the reference for so long, and a quarter of that by the second way; replaces the stored one."""
+    """Traces the reference for so long, and a quarter of that by the second method; replaces the stored
+    one."""
     document = scene.document(folder)
     reference = _long(scene, document, scene.reference, folder / "reference", cpu_s, _SEED, ())
     options = () if scene.check is not None else ("--method", "path")
@@ -73,7 +74,7 @@ def load(name: str, document: Document | None = None) -> Stored:
 
 
 def digest(document: Document) -> str:
-    """Of what is shown; how it is traced, and what is said of it, make no difference."""
+    """The digest of the visible scene; the method of tracing and the notes make no difference."""
     shown = {key: value for key, value in document.items() if key not in _NOT_SHOWN}
     return hashlib.sha256(json.dumps(shown, sort_keys=True).encode()).hexdigest()
 

@@ -31,7 +31,7 @@ OPENINGS: Tracing = {
 
 @dataclass(frozen=True)
 class SuiteScene:
-    """What is rendered, and by which two ways its reference is made and checked."""
+    """A scene, and the two methods by which its reference is made and checked."""
 
     document: Callable[[Path], Document]
     """Gives the document; files that it names go into the folder."""

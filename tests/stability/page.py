@@ -22,8 +22,8 @@ gives the result:
   standard error, which says how small a fault could have been seen.
 - **noisy**: no fault is seen, but the standard error is above {noisy:g} %, or single pixels carry the sum, or
   a deviation became smaller with more samples (a heavy tail: error bars are not to be trusted).
-- **off by** so much: the measured value is not the truth, and more samples do not help. *Warned of*: compiling
-  the scene says so. Every such cell of the default method has this warning.
+- **off by** so much: the measured value is not the truth, and more samples do not help. *Warned of*:
+  compiling the scene says so. Every such cell of the default method has this warning.
 - **uneven**: pixels that should be alike differ by far more than their error bars.
 - **found nothing**: no photon met any light.
 - **refused**: an error, before anything is traced. For the last group this is the only right answer.
@@ -89,12 +89,12 @@ _RARE = """
 ## Rare light
 
 Forty scenes have small bright lights and surfaces that focus their light
-([method](method.md#light-that-was-not-met)), each traced by the default alone. A cell shows how many squares of
-8 x 8 pixels, of {images} images, hold the truth in their 95 % interval; "of 90 %" if the images name the
+([method](method.md#light-that-was-not-met)), each traced by the default alone. A cell shows how many squares
+of 8 x 8 pixels, of {images} images, hold the truth in their 95 % interval; "of 90 %" if the images name the
 others as not to be trusted. The truth is a longer image by photons from both directions, those from the
-luminaires aimed at all surfaces that focus their light, {samples:,} samples of each pixel.
-**Bold**: fewer than {aim:g} %. *Warned*: the images say how much of the mean may be missing. Made by
-`python -m bench rare_light`.
+luminaires aimed at all surfaces that focus their light, {samples:,} samples of each pixel. **Bold**: fewer
+than {aim:g} %. *Warned*: the images say how much of the mean may be missing. Made by `python -m bench
+rare_light`.
 
 | scene | {counts} |
 | --- |{rules}
