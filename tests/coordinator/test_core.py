@@ -262,7 +262,7 @@ def test_a_state_that_must_not_be_is_found() -> None:
         shell.core.validate_state()
     render.totals.photons -= 1
     shell.core.state.scheduler._outstanding.clear()
-    with pytest.raises(InvalidState, match="nowhere"):
+    with pytest.raises(InvalidState, match="by other entries"):
         shell.core.validate_state()
 
 

@@ -218,9 +218,7 @@ def test_both_kinds_go_on_together() -> None:
     scheduler = Scheduler()
     tiles = planned.grid.count
     counts = [len(planned.ranges_of(index)) for index in range(tiles + 1)]
-    scheduler.add(
-        "r", len(planned.ranges), [0] * (tiles + 1), horizon=counts, forward=forward_ranges(planned)
-    )
+    scheduler.add("r", [bytearray(count) for count in counts], forward=forward_ranges(planned))
     order: list[JobKey] = []
     while keys := scheduler.take(1):
         order.extend(keys)

@@ -4,12 +4,14 @@ import random
 from collections.abc import Sequence
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from nocturne.v1 import job_pb2
 from nocturne_coordinator import limits
 from nocturne_coordinator.dispatch.audit import Auditor
 from nocturne_coordinator.dispatch.merge import MergeResult, RangeSums, TileState
+from nocturne_coordinator.dispatch.range_queue import InvalidTransition, RangeState
 from nocturne_coordinator.dispatch.records import OpenRender, RenderState, TileRow, Totals, WorkerRow
 from nocturne_coordinator.dispatch.result_handler import ResultHandler
 from nocturne_coordinator.dispatch.running_render import RunningRender
@@ -70,7 +72,7 @@ class Session:
         row = OpenRender("r", RenderState.RUNNING, schedule, "5c" * 32, job_pb2.ENGINE_CURRENT, Totals())
         self.render = RunningRender(row, tiles or [])
         self.scheduler = Scheduler()
-        self.scheduler.add("r", len(schedule.range_ends), self.render.merged_ranges)
+        self.scheduler.add("r", self.render.range_states())
         state = State(settings or Settings(), self.scheduler, Auditor(0.0, 0.0), {"r": self.render})
         state.fleet.seen((WorkerRow(WORKER, job_pb2.ENGINE_CURRENT, 1, 0, 0, 0.0, 0, 0.0, 0.0),))
         self.intake = ResultHandler(state)
@@ -163,7 +165,7 @@ def test_the_whole_frame_comes_first() -> None:
 def test_in_a_flood_eight_ranges_of_a_tile_come_together() -> None:
     tiles = 60
     scheduler = Scheduler()
-    scheduler.add("a", 20, [0] * tiles)
+    scheduler.add("a", [bytearray(20) for _ in range(tiles)])
 
     def finish(taken: list[JobKey]) -> None:
         for key in taken:
@@ -200,18 +202,41 @@ def test_a_slow_tile_does_not_stop_the_others() -> None:
 
 def test_renders_take_turns() -> None:
     scheduler = Scheduler()
-    scheduler.add("a", 3, [0, 0])
-    scheduler.add("b", 3, [0, 0])
+    scheduler.add("a", [bytearray(3) for _ in range(2)])
+    scheduler.add("b", [bytearray(3) for _ in range(2)])
     assert [key.render_id for key in scheduler.take(6)] == ["a", "b"] * 3
     for key in scheduler.take(1):
         scheduler.published(key, b"7-0", 0.0)
         assert scheduler.remove(key.render_id) == [b"7-0"]
-    assert scheduler.in_flight == 0
+    # Three of the other's are about to be published.
+    assert scheduler.in_flight == 3
+
+
+def test_a_range_goes_only_where_the_table_leads() -> None:
+    scheduler = Scheduler()
+    scheduler.add("a", [bytearray(2)])
+    key = JobKey("a", 0, 0)
+    assert scheduler.take(2) == [key, JobKey("a", 0, 1)]
+    with pytest.raises(InvalidTransition, match="render=a tile=0 range=0 is PUBLISHED.*COMPLETED"):
+        scheduler.completed("a", 0, 1)
+    assert scheduler.state_of(key) is RangeState.PUBLISHED
+    scheduler.received(key, 0.0)
+    # A second result of a range changes nothing.
+    scheduler.received(key, 0.0)
+    assert (scheduler.state_of(key), scheduler.in_flight) == (RangeState.HELD, 2)
+    scheduler.completed("a", 0, 1)
+    scheduler.committed("a", [0])
+    assert scheduler.returned(key) == []
+    assert scheduler.finish_tile("a", 0, RangeState.FAILED) == []
+    assert scheduler.state_of(key) is RangeState.COMMITTED
+    assert scheduler.state_of(JobKey("a", 0, 1)) is RangeState.FAILED
+    assert scheduler.state_of(JobKey("a", 0, 2)) is None
+    assert (scheduler.in_flight, scheduler.take(5)) == (0, [])
 
 
 def test_overdue_follows_the_typical_time() -> None:
     scheduler = Scheduler()
-    scheduler.add("a", 1, [0, 0])
+    scheduler.add("a", [bytearray(1) for _ in range(2)])
     first, second = scheduler.take(2)
     scheduler.published(first, b"1-0", 0.0)
     scheduler.published(second, b"2-0", 0.0)
@@ -227,7 +252,7 @@ def test_a_window_full_of_later_ranges_makes_room_for_the_first() -> None:
     """Found by the walk through all interleavings: what was merged and not committed is lost with the
     coordinator, and what Redis still has are later ranges of the same tiles, as many as the window holds."""
     scheduler = Scheduler()
-    scheduler.add("r", 10, [0, 0])
+    scheduler.add("r", [bytearray(10) for _ in range(2)])
     later = [JobKey("r", tile, index) for tile in range(2) for index in (1, 2, 3)]
     for key in later:
         scheduler.published(key, b"1", 0.0)

@@ -194,7 +194,7 @@ class Adaptive:
         self.render = RunningRender(row, tiles or [])
         self.scheduler = Scheduler()
         horizon = [self.render.film.horizon(index) for index in range(6)]
-        self.scheduler.add("r", len(schedule.range_ends), self.render.merged_ranges, horizon=horizon)
+        self.scheduler.add("r", self.render.range_states(), horizon=horizon)
         state = State(Settings(), self.scheduler, Auditor(0.0, 0.0), {"r": self.render})
         self.intake = ResultHandler(state)
         self.stream: dict[bytes, JobKey] = {}

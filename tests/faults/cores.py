@@ -11,6 +11,7 @@ from nocturne.v1 import job_pb2
 from nocturne_coordinator.dispatch import state as core_state
 from nocturne_coordinator.dispatch.audit import Auditor
 from nocturne_coordinator.dispatch.planned_render import PlannedRender
+from nocturne_coordinator.dispatch.range_queue import RangeState
 from nocturne_coordinator.dispatch.records import OpenRender, RenderState, TileRow, Totals
 from nocturne_coordinator.dispatch.result_handler import ResultHandler
 from nocturne_coordinator.dispatch.running_render import RunningRender
@@ -79,7 +80,7 @@ class Core:
 
     render: RunningRender
     scheduler: Scheduler
-    saved: int
+    saved: int = field(init=False)
     """Ranges that it knows to be committed."""
     merged: int = field(init=False)
     out: frozenset[int] = field(init=False)
@@ -88,16 +89,14 @@ class Core:
     def __post_init__(self) -> None:
         tile = self.render.film.tiles[0]
         object.__setattr__(self, "merged", tile.merged)
+        object.__setattr__(self, "saved", self.states.count(RangeState.COMMITTED))
         out = frozenset(key.range_index for key in self.scheduler.entries().values())
         object.__setattr__(self, "out", out)
 
-    def key(self) -> tuple[object, ...]:
-        queue = self.scheduler._queues["r"]
-        return (
-            *(self.merged, self.saved, tuple(sorted(self.render.film.tiles[0].waiting)), self.out),
-            *(tuple(queue.following), tuple(sorted(queue.ready)), tuple(sorted(queue.again))),
-            *(tuple(sorted(queue.held)), tuple(sorted(queue.blocked))),
-        )
+    @property
+    def states(self) -> bytes:
+        """Of its ranges; all else that it remembers of them is an index of these."""
+        return bytes(self.scheduler._queues["r"].states[0])
 
     def copied(self) -> tuple[RunningRender, Scheduler]:
         # What never changes is shared.
@@ -120,7 +119,7 @@ class Cores:
     def __init__(self, work: Work) -> None:
         self._work = work
         self.all: list[Core] = []
-        self._numbers: dict[tuple[object, ...], int] = {}
+        self._numbers: dict[bytes, int] = {}
         self._known: dict[tuple[object, ...], Reaction] = {}
 
     def start(self, committed: int, found: tuple[int, ...]) -> Reaction:
@@ -129,15 +128,14 @@ class Cores:
         if event not in self._known:
             render = self._work.render_at(committed)
             scheduler = Scheduler()
-            scheduler.add("r", self._work.ranges, render.merged_ranges)
+            scheduler.add("r", render.range_states())
             # As `Window.adopt`.
-            wanted = [index for index in found if scheduler.wants(self._work.keys[index])]
+            states = render.range_states()[0]
+            wanted = [index for index in found if states[index] == RangeState.PLANNED]
             for index in wanted:
                 scheduler.published(self._work.keys[index], b"%d" % index, 0.0)
             unwanted = tuple(index for index in found if index not in wanted)
-            self._known[event] = Reaction(
-                self._number(Core(render, scheduler, committed)), withdrawn=unwanted
-            )
+            self._known[event] = Reaction(self._number(Core(render, scheduler)), withdrawn=unwanted)
         return self._known[event]
 
     def publish(self, number: int) -> Reaction:
@@ -149,7 +147,7 @@ class Cores:
             keys = scheduler.take(WINDOW - scheduler.in_flight)
             for key in keys:
                 scheduler.published(key, b"%d" % key.range_index, 0.0)
-            after = self._number(Core(render, scheduler, core.saved)) if keys else number
+            after = self._number(Core(render, scheduler)) if keys else number
             self._known[event] = Reaction(after, published=tuple(key.range_index for key in keys))
         return self._known[event]
 
@@ -162,7 +160,7 @@ class Cores:
             state = core_state.State(core_state.Settings(), scheduler, Auditor(0.0, 0.0), {"r": render})
             outcome = ResultHandler(state).take(b"%d" % index, self._work.results[index], 1.0, 0.5)
             self._known[event] = Reaction(
-                self._number(Core(render, scheduler, core.saved)),
+                self._number(Core(render, scheduler)),
                 withdrawn=tuple(map(int, outcome.withdrawn)),
                 settled=tuple(map(int, outcome.settled)),
             )
@@ -170,8 +168,13 @@ class Cores:
 
     def saved(self, number: int) -> int:
         """What is merged is committed."""
-        core = self.all[number]
-        return self._number(replace(core, saved=core.merged))
+        event = ("saved", number)
+        if event not in self._known:
+            core = self.all[number]
+            render, scheduler = core.copied()
+            scheduler.committed("r", [0])
+            self._known[event] = Reaction(self._number(Core(render, scheduler)))
+        return self._known[event].number
 
     def redis_lost(self, number: int) -> int:
         event = ("lost", number)
@@ -179,11 +182,11 @@ class Cores:
             core = self.all[number]
             render, scheduler = core.copied()
             scheduler.lost()
-            self._known[event] = Reaction(self._number(Core(render, scheduler, core.saved)))
+            self._known[event] = Reaction(self._number(Core(render, scheduler)))
         return self._known[event].number
 
     def _number(self, core: Core) -> int:
-        key = core.key()
+        key = core.states
         if key not in self._numbers:
             self._work.check(core.render)
             self._numbers[key] = len(self.all)

@@ -235,8 +235,7 @@ class Admission:
         self._state.renders[row.id] = render
         self._state.scheduler.add(
             row.id,
-            len(render.planned.ranges),
-            render.merged_ranges,
+            render.range_states(),
             horizon=[render.film.horizon(index) for index in range(len(render.film.tiles))],
             owner=row.owner,
             priority=row.priority,

@@ -150,11 +150,6 @@ class Auditor:
             if audit.published and audit.published.at < now - MAX_WAIT
         ]
 
-    def has_entry(self, key: JobKey, entry: bytes) -> bool:
-        """Whether an audit is out with this entry."""
-        audit = self._open.get(key)
-        return bool(audit and audit.published and entry in audit.published.entries)
-
     def entries(self) -> dict[bytes, JobKey]:
         """The audits that are out, by their entries."""
         return {

@@ -71,6 +71,7 @@ class Commits:
         if changed or fences:
             done: CommitDone = yield Commit(tuple(changes for _, changes in changed), fences)
             for render, _ in changed:
+                state.scheduler.committed(render.id, render.committing)
                 if entries := render.committed():
                     state.settled.setdefault(render.id, []).extend(entries)
             for render_id in done.lost:

@@ -10,6 +10,7 @@ from nocturne_coordinator.dispatch.instructions import DEBUG, ERROR, WARNING, Lo
 from nocturne_coordinator.dispatch.merge import MergeResult, RangeSums
 from nocturne_coordinator.dispatch.planned_render import RefusedResult
 from nocturne_coordinator.dispatch.profiles import profile_of, refusal_of
+from nocturne_coordinator.dispatch.range_queue import RangeState
 from nocturne_coordinator.dispatch.records import FailedTile
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.scheduler import JobKey
@@ -205,11 +206,12 @@ class ResultHandler:
     def _update_scheduler(
         self, render: RunningRender, tile_index: int, merged: int, outcome: Outcome
     ) -> None:
+        scheduler = self._state.scheduler
+        scheduler.completed(render.id, tile_index, merged)
         if render.film.tiles[tile_index].closed:
-            outcome.withdrawn.extend(self._state.scheduler.finish_tile(render.id, tile_index))
+            outcome.withdrawn.extend(scheduler.finish_tile(render.id, tile_index, RangeState.UNNEEDED))
         else:
-            self._state.scheduler.expect(render.id, tile_index, render.film.horizon(tile_index))
-            self._state.scheduler.completed(render.id, tile_index, merged)
+            scheduler.expect(render.id, tile_index, render.film.horizon(tile_index))
 
     def _compare(
         self, render: RunningRender, key: JobKey, worker: str, partial: job_pb2.Partial, outcome: Outcome
@@ -233,9 +235,9 @@ class ResultHandler:
         died: bool = False,
     ) -> None:
         scheduler = self._state.scheduler
-        is_out = scheduler.is_outstanding(key)
+        state = scheduler.state_of(key)
         # Of those that have copies one may die while the job waits to be published again.
-        if not is_out and not (died and scheduler.wants(key)):
+        if state is not RangeState.PUBLISHED and not (died and state is RangeState.PLANNED):
             # It was done elsewhere meanwhile; or it was an audit, which somebody else has to do.
             outcome.withdrawn.extend(self._state.auditor.returned(key))
             return
@@ -245,14 +247,15 @@ class ResultHandler:
         )
         if verdict is not None:
             self._fail_tile(render, key, verdict, outcome)
-        elif is_out:
+        else:
             self._give_back(key, outcome)
 
     def _fail_tile(self, render: RunningRender, key: JobKey, verdict: PoisonedJob, outcome: Outcome) -> None:
         planned = render.planned.ranges_of(key.tile_index)[key.range_index]
         failed = FailedTile(key.tile_index, planned.first, planned.end, verdict.reason, verdict.workers)
         outcome.settled.extend(each.entry for each in render.fail_tile(failed))
-        outcome.withdrawn.extend(self._state.scheduler.finish_tile(render.id, key.tile_index))
+        scheduler = self._state.scheduler
+        outcome.withdrawn.extend(scheduler.finish_tile(render.id, key.tile_index, RangeState.FAILED))
         outcome.failed_tiles.append((render.id, failed))
         line = f"render={render.id} tile={key.tile_index} failed: {verdict.reason}"
         outcome.lines.append(Log(ERROR, line))

@@ -4,7 +4,7 @@ One file, though long: each result changes film, totals and what is to be commit
 """
 
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import cast
 
@@ -17,6 +17,7 @@ from nocturne_coordinator.dispatch.forecast import Forecast, Measured, forecast
 from nocturne_coordinator.dispatch.job_cost import JOB_SECONDS, longest_range, max_cpu_seconds
 from nocturne_coordinator.dispatch.merge import Offered, RangeSums
 from nocturne_coordinator.dispatch.planned_render import PlannedRender
+from nocturne_coordinator.dispatch.range_queue import RangeState
 from nocturne_coordinator.dispatch.records import (
     ErrorPoint,
     FailedTile,
@@ -103,7 +104,8 @@ class RunningRender:
         self._job_seconds = job_seconds
         self._longest: dict[bool, int] = {}
         """Samples to which ranges of tiles are to be cut, and bundles to which those of forward photons."""
-        self._committing_photons = False
+        self.committing: Sequence[int] = ()
+        """Tiles of the last commit; one after the last: forward photons."""
         self._photon_entries: list[bytes] = []
         """Results whose forward photons are merged and not committed yet: that is a whole film."""
         self._next_photon_commit = now + photon_commit_seconds(self.planned.pixels)
@@ -117,13 +119,15 @@ class RunningRender:
         if self.row.layers_due != row.layers_due:
             self.row = replace(self.row, layers_due=row.layers_due, layers_sha256=row.layers_sha256)
 
-    @property
-    def merged_ranges(self) -> list[int]:
-        """Per tile; all planned ones for a tile that needs no more."""
-        return [
-            len(self.planned.ranges_of(index)) if tile.closed else tile.merged
-            for index, tile in enumerate(self.film.tiles)
-        ]
+    def range_states(self) -> list[bytearray]:
+        """Per tile, the state of each range, when all that is merged is committed."""
+        found = []
+        for index, tile in enumerate(self.film.tiles):
+            closed = RangeState.FAILED if index in self.failed_tiles else RangeState.UNNEEDED
+            states = bytearray([closed if tile.closed else 0]) * len(self.planned.ranges_of(index))
+            states[: tile.merged] = bytes([RangeState.COMMITTED]) * tile.merged
+            found.append(states)
+        return found
 
     def offer(self, tile_index: int, offered: RangeSums, now: float) -> Offered:
         """Merges a range when its turn has come; see TileState.offer."""
@@ -327,15 +331,14 @@ class RunningRender:
         if not changed and (rate > 0.0 or self._last_rate == 0.0):
             return None
         self._last_rate = rate
-        tiles: TileRows | list[TileRow] = TileRows(sorted(self._dirty), self._tile_row)
-        self._committing_photons = with_photons
+        self.committing = sorted(self._dirty)
         if with_photons:
-            tiles = self._all_rows()
+            self.committing = range(self.planned.tiles)
             self._next_photon_commit = now + photon_commit_seconds(self.planned.pixels)
         return RenderCommit(
             self.id,
             self.row.fence,
-            tiles,
+            TileRows(self.committing, self._whole_row if with_photons else self._tile_row),
             self.totals,
             rate,
             ran_seconds=self.ran_seconds(now),
@@ -358,13 +361,11 @@ class RunningRender:
         row = TileRow(tile, film.samples(tile), own, self._invalid_samples[tile], film.error_before(tile))
         return replace(row, sums=film.shown_bytes(tile), own=own) if film.has_forward_ranges else row
 
-    def _all_rows(self) -> list[TileRow]:
-        """All tiles with the forward photons that fell on them, and the number of these."""
-        forward = self.planned.photon_index
-        tiles = [
-            replace(self._tile_row(tile), photons=self.film.photon_bytes(tile)) for tile in range(forward)
-        ]
-        return [*tiles, TileRow(forward, self.film.samples(forward), b"", self._invalid_samples[forward])]
+    def _whole_row(self, tile: int) -> TileRow:
+        """A tile with the forward photons that fell on it; after the last, the number of these."""
+        if tile == self.planned.photon_index:
+            return TileRow(tile, self.film.samples(tile), b"", self._invalid_samples[tile])
+        return replace(self._tile_row(tile), photons=self.film.photon_bytes(tile))
 
     @property
     def is_unseen(self) -> bool:
@@ -377,7 +378,7 @@ class RunningRender:
         self._dirty.clear()
         self._contributors = {}
         self._dirty_totals = False
-        if not self._committing_photons:
+        if self.planned.photon_index not in self.committing:
             return []
         entries, self._photon_entries = self._photon_entries, []
         return entries

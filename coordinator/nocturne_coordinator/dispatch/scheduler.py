@@ -1,14 +1,12 @@
 """Which jobs to publish next. Pure: events in, instructions out, no I/O, no clock.
 
-A range of a tile is planned, published, held (its result is here and waits for an earlier range) or
-completed; docs/explanation/queue.md has the table. Kept here: for each running render how far each tile is,
-and what is in flight. One file, though long: each event changes both, so the events stand together.
+Kept here: for each running render the state of every range (`RangeState`), and the entries of jobs that are
+out. One file, though long: each event changes both, so the events stand together.
 """
 
 from collections import deque
 from collections.abc import Callable, Collection, Iterable, Sequence, Set
 from dataclasses import dataclass
-from heapq import heappop, heappush
 from statistics import median
 from typing import NamedTuple
 
@@ -18,6 +16,7 @@ from nocturne_coordinator.dispatch.range_queue import (
     FairShare,
     ForwardRanges,
     RangeQueue,
+    RangeState,
 )
 from nocturne_coordinator.limits import DEFAULT_PRIORITY
 
@@ -70,7 +69,6 @@ class Scheduler:
         self._queues: dict[str, RangeQueue] = {}
         self._owners: dict[str, FairShare] = {}
         self._outstanding: dict[JobKey, Published] = {}
-        self._held = 0
         self._times: deque[float] = deque(maxlen=_REMEMBERED_TIMES)
         self._came = 0
         """Results since jobs were last taken."""
@@ -80,8 +78,7 @@ class Scheduler:
     def add(
         self,
         render_id: str,
-        ranges: int,
-        completed: list[int],
+        states: list[bytearray],
         *,
         horizon: Sequence[int] = (),
         owner: str = "",
@@ -90,30 +87,18 @@ class Scheduler:
         cost: Callable[[int, int], float] = lambda *_: 1.0,
         forward: ForwardRanges | None = None,
     ) -> None:
-        """A render runs from here on; `completed` holds each tile's completed ranges, `ranges` for one that
-        needs no more.
+        """A render runs from here on; `states` are those of each tile's ranges, kept and changed here.
 
         `horizon`: what each tile is expected to need, all unless given. Owners share the workers by their
         weight, and an owner's renders share by priority what the owner gets.
         """
-        share = self._owners.setdefault(owner, FairShare(owner_weight, _least(self._owners.values())))
-        share.weight = owner_weight
-        beside = [queue.share for queue in self._queues.values() if queue.owner == owner]
-        self._queues[render_id] = RangeQueue(
-            ranges,
-            list(completed),
-            list(completed),
-            list(horizon) or [ranges] * len(completed),
-            [],
-            owner,
-            FairShare(priority, _least(beside)),
-            cost,
-            forward,
+        of_owner = self._owners.setdefault(owner, FairShare(owner_weight, _least(self._owners.values())))
+        of_owner.weight = owner_weight
+        share = FairShare(
+            priority, _least(queue.share for queue in self._queues.values() if queue.owner == owner)
         )
-        queue = self._queues[render_id]
-        for tile, done in enumerate(completed):
-            if done < queue.ranges_of(tile):
-                queue.make_ready(done, tile)
+        needed = list(horizon) or [len(each) for each in states]
+        self._queues[render_id] = RangeQueue(render_id, states, needed, owner, share, cost, forward)
 
     def set_priority(self, render_id: str, priority: float) -> None:
         """The render's weight beside its owner's other renders from now on."""
@@ -122,12 +107,8 @@ class Scheduler:
     def set_first(self, render_id: str, tiles: frozenset[int]) -> None:
         """These tiles go before the render's others from now on; none: all are alike."""
         queue = self._queues[render_id]
-        if queue.first == tiles:
-            return
-        queue.first = tiles
-        before, queue.ready = queue.ready, []
-        for *_, tile, range_index in before:
-            queue.make_ready(range_index, tile)
+        if queue.first != tiles:
+            queue.order(tiles)
 
     def remove(self, render_id: str) -> list[bytes]:
         """A render ended; gives the entries of its jobs, to be deleted from the stream."""
@@ -136,12 +117,13 @@ class Scheduler:
             return []
         if all(other.owner != queue.owner for other in self._queues.values()):
             del self._owners[queue.owner]
-        self._held -= len(queue.held)
         keys = [key for key in self._outstanding if key.render_id == render_id]
         return [entry for key in keys for entry in self._outstanding.pop(key).entries]
 
     def published(self, key: JobKey, entry: bytes, now: float) -> None:
         """A job is on the stream, by us now or by an earlier run."""
+        if self.state_of(key) is RangeState.PLANNED:
+            self._move(key, RangeState.PUBLISHED)
         self._outstanding[key] = Published([entry], now)
 
     def copied(self, key: JobKey, entry: bytes) -> None:
@@ -152,54 +134,39 @@ class Scheduler:
         """A job's result came and is usable; `completed` follows for what it completes. Gives copies to
         delete."""
         self._came += 1
-        published = self._outstanding.pop(key, None)
-        if published is not None:
-            self._times.append(now - published.at)
-        queue = self._queues[key.render_id]
-        place = (key.range_index, key.tile_index)
-        if key.range_index >= queue.completed[key.tile_index] and place not in queue.held:
-            queue.held.add(place)
-            self._held += 1
-        return published.entries if published is not None and len(published.entries) > 1 else []
+        if self.state_of(key) not in (RangeState.PLANNED, RangeState.PUBLISHED):
+            return []
+        if key in self._outstanding:
+            self._times.append(now - self._outstanding[key].at)
+        entries = self._move(key, RangeState.HELD)
+        return entries if len(entries) > 1 else []
 
     def completed(self, render_id: str, tile_index: int, ranges: int) -> None:
         """A tile's first `ranges` ranges are completed."""
-        queue = self._queues[render_id]
-        for index in range(queue.completed[tile_index], ranges):
-            if (index, tile_index) in queue.held:
-                queue.held.remove((index, tile_index))
-                self._held -= 1
-            self._outstanding.pop(JobKey(render_id, tile_index, index), None)
-        queue.completed[tile_index] = ranges
-        queue.following[tile_index] = max(queue.following[tile_index], ranges)
-        self._unblock(queue, tile_index)
+        for index in range(self._queues[render_id].done(tile_index), ranges):
+            self._move(JobKey(render_id, tile_index, index), RangeState.COMPLETED)
+
+    def committed(self, render_id: str, tiles: Iterable[int]) -> None:
+        """What is completed of these tiles is committed."""
+        for tile in tiles:
+            while (index := self._queues[render_id].states[tile].find(RangeState.COMPLETED)) >= 0:
+                self._move(JobKey(render_id, tile, index), RangeState.COMMITTED)
 
     def expect(self, render_id: str, tile_index: int, ranges: int) -> None:
         """How many ranges the tile is expected to need in all; only those are published."""
-        queue = self._queues[render_id]
-        queue.horizon[tile_index] = ranges
-        self._unblock(queue, tile_index)
+        self._queues[render_id].expect(tile_index, ranges)
 
-    def finish_tile(self, render_id: str, tile_index: int) -> list[bytes]:
-        """A tile gets no more samples; gives the entries of its jobs, to be deleted from the stream."""
+    def finish_tile(self, render_id: str, tile_index: int, state: RangeState) -> list[bytes]:
+        """A tile gets no more samples, its other ranges this state; gives the entries of its jobs, to be
+        deleted from the stream."""
         queue = self._queues[render_id]
-        done = queue.completed[tile_index]
-        entries = []
-        for index in range(done, min(done + queue.ahead_of(tile_index), queue.ranges_of(tile_index))):
-            published = self._outstanding.pop(JobKey(render_id, tile_index, index), None)
-            entries.extend(published.entries if published else [])
-        self.completed(render_id, tile_index, queue.ranges_of(tile_index))
-        return entries
+        rest = range(queue.done(tile_index), len(queue.states[tile_index]))
+        return [entry for index in rest for entry in self._move(JobKey(render_id, tile_index, index), state)]
 
     def returned(self, key: JobKey) -> list[bytes]:
-        """A job is to be published again; gives its entries that are still on the stream."""
-        published = self._outstanding.pop(key, None)
-        if self._is_open(key):
-            queue = self._queues[key.render_id]
-            # What lies ahead of `following` gets its turn anyhow.
-            if key.range_index < queue.following[key.tile_index]:
-                heappush(queue.again, (key.range_index, key.tile_index))
-        return [] if published is None else published.entries
+        """A job that is out is to be published again; gives its entries that are still on the stream."""
+        is_out = self.state_of(key) is RangeState.PUBLISHED
+        return self._move(key, RangeState.PLANNED) if is_out else []
 
     def charge(self, render_id: str, cost: float) -> None:
         """A render has cost that much for nothing, in the unit of `cost`: the others come before it for as
@@ -220,7 +187,7 @@ class Scheduler:
     def in_flight(self) -> int:
         """Jobs published and not yet completed; what waits for an earlier range counts, which bounds
         memory."""
-        return len(self._outstanding) + self._held
+        return sum(queue.in_flight for queue in self._queues.values())
 
     @property
     def typical_time(self) -> float:
@@ -245,7 +212,7 @@ class Scheduler:
         for queue in self._queues.values():
             queue.together = together
         if count <= 0:
-            return self._waited_for() if 2 * self._held > self.in_flight else []
+            return self._waited_for() if self.in_flight > 2 * len(self._outstanding) else []
         jobs: list[JobKey] = []
         able = {render_id: queue for render_id, queue in self._queues.items() if render_id not in but}
         while len(jobs) < count and able:
@@ -264,12 +231,16 @@ class Scheduler:
 
     def _waited_for(self) -> list[JobKey]:
         """The next ranges of tiles whose later ones are here, if they are not out."""
-        found = {
-            JobKey(render_id, tile, queue.completed[tile])
+        found = [
+            key
             for render_id, queue in self._queues.items()
-            for _, tile in queue.held
-        }
-        return sorted(key for key in found if self.wants(key))
+            for tile, states in enumerate(queue.states)
+            if RangeState.HELD in states
+            and self.state_of(key := JobKey(render_id, tile, queue.done(tile))) is RangeState.PLANNED
+        ]
+        for key in found:
+            self._move(key, RangeState.PUBLISHED)
+        return found
 
     def _passed(self, item: tuple[str, RangeQueue]) -> tuple[float, str, float]:
         queue = item[1]
@@ -290,92 +261,48 @@ class Scheduler:
         latest = now - max(self._shortest_overdue, OVERDUE_FACTOR * self.typical_time)
         return [key for key, published in self._outstanding.items() if published.at < latest]
 
-    def is_outstanding(self, key: JobKey) -> bool:
-        return key in self._outstanding
-
-    def has_entry(self, key: JobKey, entry: bytes) -> bool:
-        """Whether a job is out with this entry."""
-        published = self._outstanding.get(key)
-        return published is not None and entry in published.entries
+    def state_of(self, key: JobKey) -> RangeState | None:
+        """None: it is no range of a running render."""
+        try:
+            return RangeState(self._queues[key.render_id].states[key.tile_index][key.range_index])
+        except (KeyError, IndexError):
+            return None
 
     def entries(self) -> dict[bytes, JobKey]:
         """The jobs that are out, by their entries."""
         return {entry: key for key, published in self._outstanding.items() for entry in published.entries}
 
-    def wants(self, key: JobKey) -> bool:
-        """Whether a job found on the stream is worth tracing: open, and not out already."""
-        return self._is_open(key) and key not in self._outstanding
-
     def render_ids(self) -> Set[str]:
         """The running renders."""
         return self._queues.keys()
 
-    def problem_of(
-        self,
-        render_id: str,
-        merged: Sequence[int],
-        closed: Sequence[bool],
-        waiting: Sequence[Collection[int]],
-    ) -> str:
-        """What is wrong with the places of a render's ranges, empty if nothing is; for tests.
-
-        Of each tile: ranges merged, whether it gets no more, and the ranges that wait for earlier ones.
-        """
-        queue = self._queues[render_id]
-        if self._held != sum(len(each.held) for each in self._queues.values()):
-            return "the number of ranges that wait"
-        for tile, done in enumerate(queue.completed):
-            if done != (queue.ranges_of(tile) if closed[tile] else merged[tile]):
-                return f"tile {tile} has {merged[tile]} ranges, the scheduler says {done}"
-            held = {index for index, of in queue.held if of == tile}
-            if held != set(waiting[tile]):
-                return f"tile {tile}: ranges {sorted(waiting[tile])} wait, the scheduler says {sorted(held)}"
-            out = {key.range_index for key in self._outstanding if key[:2] == (render_id, tile)}
-            if out & held or any(not done <= index < queue.ranges_of(tile) for index in out):
-                return (
-                    f"tile {tile}: ranges {sorted(out)} are published, {sorted(held)} wait, {done} are done"
-                )
-            if lost := queue.nowhere(tile, out | held):
-                return f"tile {tile}: ranges {lost} are nowhere"
+    def problem(self) -> str:
+        """What is wrong with the indexes of the ranges' states, empty if nothing is; for tests."""
+        for render_id, queue in self._queues.items():
+            if problem := queue.problem():
+                return problem
+            keys = {key[1:] for key in self._outstanding if key.render_id == render_id}
+            for tile, states in enumerate(queue.states):
+                out = {index for index, state in enumerate(states) if state == RangeState.PUBLISHED}
+                if out != {index for of, index in keys if of == tile}:
+                    return f"render={render_id} tile={tile}: ranges {sorted(out)} are out, by other entries"
         return ""
 
     # --- inside ---
 
-    @staticmethod
-    def _unblock(queue: RangeQueue, tile_index: int) -> None:
-        if tile_index in queue.blocked:
-            queue.blocked.remove(tile_index)
-            queue.make_ready(queue.following[tile_index], tile_index)
-
-    def _is_open(self, key: JobKey) -> bool:
-        """Planned, not completed, and its result is not here."""
-        queue = self._queues.get(key.render_id)
-        if queue is None or not 0 <= key.tile_index < len(queue.completed):
-            return False
-        return (
-            queue.completed[key.tile_index] <= key.range_index < queue.ranges_of(key.tile_index)
-            and (key.range_index, key.tile_index) not in queue.held
-        )
+    def _move(self, key: JobKey, to: RangeState) -> list[bytes]:
+        """Brings a range to another state; gives the entries of its job, if it was out."""
+        self._queues[key.render_id].move(key.tile_index, key.range_index, to)
+        published = self._outstanding.pop(key, None)
+        return published.entries if published else []
 
     def _next_of(self, render_id: str) -> JobKey | None:
-        queue = self._queues[render_id]
-        while queue.again:
-            range_index, tile = heappop(queue.again)
-            if self.wants(key := JobKey(render_id, tile, range_index)):
-                return key
-        while queue.ready:
-            *_, tile, range_index = heappop(queue.ready)
-            if queue.completed[tile] >= queue.ranges_of(tile):
-                continue
-            if range_index >= min(queue.completed[tile] + queue.ahead_of(tile), queue.horizon[tile]):
-                queue.blocked.add(tile)
-                continue
-            queue.following[tile] = range_index + 1
-            if range_index + 1 < queue.ranges_of(tile):
-                queue.make_ready(range_index + 1, tile)
-            if self.wants(key := JobKey(render_id, tile, range_index)):
-                return key
-        return None
+        found = self._queues[render_id].pop()
+        if found is None:
+            return None
+        key = JobKey(render_id, *found)
+        self._move(key, RangeState.PUBLISHED)
+        return key
 
 
 def _least(shares: Iterable[FairShare]) -> float:

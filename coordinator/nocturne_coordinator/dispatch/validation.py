@@ -10,7 +10,9 @@ from collections import Counter
 import numpy as np
 
 from nocturne_coordinator import limits
+from nocturne_coordinator.dispatch.range_queue import RangeState
 from nocturne_coordinator.dispatch.running_render import RunningRender
+from nocturne_coordinator.dispatch.scheduler import JobKey, Scheduler
 from nocturne_coordinator.dispatch.state import State
 
 
@@ -22,18 +24,27 @@ def validate_state(state: State, window: int) -> None:
     """InvalidState if a range is in two places or in none, a count is wrong, or a bound is passed."""
     _require(state.renders.keys() == state.scheduler.render_ids(), "scheduler and renders differ")
     for render in state.renders.values():
-        merged = [tile.merged for tile in render.film.tiles]
-        closed = [tile.closed for tile in render.film.tiles]
-        waiting = [set(tile.waiting) for tile in render.film.tiles]
-        problem = state.scheduler.problem_of(render.id, merged, closed, waiting)
-        _require(not problem, f"{render.id}: {problem}")
+        _check_states(render, state.scheduler)
         _check_counts(render)
+    problem = state.scheduler.problem()
+    _require(not problem, problem)
     _check_entries(state)
     tiles = sum(len(render.film.tiles) for render in state.renders.values())
     # One more for each tile, where all that is in flight waits for earlier ranges.
     _require(state.scheduler.in_flight <= limits.MAX_WINDOW + tiles, "more in flight than the largest window")
     _require(window <= limits.MAX_WINDOW, "a window above its bound")
     _require(len(state.auditor.entries()) <= limits.MAX_AUDITS, "too many audits")
+
+
+def _check_states(render: RunningRender, scheduler: Scheduler) -> None:
+    """The film and the states of ranges say the same."""
+    done, open_ = {RangeState.COMPLETED, RangeState.COMMITTED}, {RangeState.PLANNED, RangeState.PUBLISHED}
+    for tile_index, tile in enumerate(render.film.tiles):
+        rest = {RangeState.FAILED, RangeState.UNNEEDED} if tile.closed else open_
+        for index in range(len(render.planned.ranges_of(tile_index))):
+            right = done if index < tile.merged else {RangeState.HELD} if index in tile.waiting else rest
+            key = JobKey(render.id, tile_index, index)
+            _require(scheduler.state_of(key) in right, f"{key} is not in the film as its state says")
 
 
 def _check_counts(render: RunningRender) -> None:

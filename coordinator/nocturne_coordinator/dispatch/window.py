@@ -20,6 +20,7 @@ from nocturne_coordinator.dispatch.instructions import (
 )
 from nocturne_coordinator.dispatch.liveness import Sign
 from nocturne_coordinator.dispatch.planned_render import RefusedResult
+from nocturne_coordinator.dispatch.range_queue import RangeState
 from nocturne_coordinator.dispatch.scheduler import JobKey
 from nocturne_coordinator.dispatch.state import State
 from nocturne_coordinator.errors import QueueError
@@ -67,20 +68,21 @@ class Window:
 
     def adopt(self, event: JobsFound) -> Steps[None]:
         """Makes use of jobs that an earlier run, or a call whose answer was lost, left on the stream."""
-        scheduler, auditor = self._state.scheduler, self._state.auditor
+        scheduler = self._state.scheduler
+        known = {*scheduler.entries(), *self._state.auditor.entries()}
         adopted = 0
         # Copies, and jobs of renders that nobody works on.
         surplus: list[bytes] = []
         unwanted: list[bytes] = []
         for entry, data in event.jobs:
             key = self._key_of(data)
-            if key is not None and scheduler.wants(key):
+            if key is not None and scheduler.state_of(key) is RangeState.PLANNED:
                 scheduler.published(key, entry, event.at.now)
                 adopted += 1
             elif key is None:
                 if not (yield from self._is_others(data)):
                     unwanted.append(entry)
-            elif not (scheduler.has_entry(key, entry) or auditor.has_entry(key, entry)):
+            elif entry not in known:
                 surplus.append(entry)
         if surplus:
             yield Withdraw(tuple(surplus))
