@@ -61,7 +61,7 @@ def test_the_tables_of_the_api_page_name_routes_and_methods() -> None:
     assert len(found) > 15
     assert not found - known
     methods = {method for _, method in re.findall(r"^\| (`[A-Z]+ .*?) \| `(\w+)`", page, re.MULTILINE)}
-    assert methods <= set(_ROUTES)
+    assert methods <= set(ROUTES)
 
 
 def _generator() -> ModuleType:
@@ -206,13 +206,13 @@ def test_every_method_has_a_route_and_a_request_of_its_own() -> None:
     }
     for name, method in methods.items():
         assert method.input_type.name == f"{name}Request"
-    found = {name: _ROUTES[name] for name in methods}
+    found = {name: ROUTES[name] for name in methods}
     missing = {name: route for name, route in found.items() if route not in OPERATIONS}
     assert not missing
-    assert set(_ROUTES) == set(methods)
+    assert set(ROUTES) == set(methods)
 
 
-_ROUTES = {
+ROUTES = {
     "CreateRender": ("post", "/v1/renders"),
     "Preflight": ("post", "/v1/preflights"),
     "GetRender": ("get", "/v1/renders/{render_id}"),

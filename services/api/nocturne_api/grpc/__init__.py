@@ -1,1 +1,1 @@
-"""The gRPC endpoint: both services of the contract over the operations."""
+"""The gRPC endpoint: the services of the contract over the operations."""

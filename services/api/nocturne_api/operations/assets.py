@@ -15,7 +15,7 @@ from nocturne_api.background.space import Space
 from nocturne_api.errors import Overloaded, TooMany
 from nocturne_api.files import upload
 from nocturne_api.files.open_file import OpenFile, open_file
-from nocturne_api.models.assets import Asset
+from nocturne_api.models.assets import Asset, BatchMissingResponse
 from nocturne_api.operations.folder_access import FolderAccess
 from nocturne_api.operations.submission import digest_problems, raise_if
 
@@ -29,7 +29,7 @@ class Assets:
         self._blobs = access.folder.blobs
         self._running: Counter[str] = Counter()
 
-    async def missing(self, digests: list[str]) -> list[str]:
+    async def missing(self, digests: list[str]) -> BatchMissingResponse:
         """Which of these files are not stored yet, in the order asked, each once. Raises InputError."""
         CALLER.get().need("submit")
         if len(digests) > limits.DIGESTS_PER_REQUEST:
@@ -40,7 +40,9 @@ class Assets:
             for index, digest in enumerate(digests)
             for problem in digest_problems(digest, f"$.sha256[{index}]")
         )
-        return await asyncio.to_thread(self._missing, list(dict.fromkeys(digests)))
+        return BatchMissingResponse(
+            sha256=await asyncio.to_thread(self._missing, list(dict.fromkeys(digests)))
+        )
 
     def _missing(self, digests: list[str]) -> list[str]:
         for digest in digests:

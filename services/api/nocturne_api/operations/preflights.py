@@ -5,9 +5,9 @@ import asyncio
 from nocturne_api.access import CALLER
 from nocturne_api.compiling.pool import CompileLimits
 from nocturne_api.errors import Overloaded
-from nocturne_api.models.preflights import PreflightReport
+from nocturne_api.models.preflights import PreflightReport, PreflightRequest
 from nocturne_api.operations.folder_access import FolderAccess
-from nocturne_api.preflight.pool import PreflightSpec, preflight_in_child
+from nocturne_api.preflight.pool import preflight_in_child
 
 
 class Preflights:
@@ -18,7 +18,7 @@ class Preflights:
         self._compile_limits = compile_limits
         self._running = asyncio.Lock()
 
-    async def run(self, request: PreflightSpec) -> PreflightReport:
+    async def run(self, request: PreflightRequest) -> PreflightReport:
         """What a scene needs for a target error; takes minutes.
 
         Raises InputError with every problem found, CantPreflight, and Overloaded while another one runs.

@@ -22,6 +22,7 @@ from nocturne_api.models.renders import (
     Baselines,
     Convergence,
     ConvergencePoint,
+    CreateRenderRequest,
     Explanation,
     Render,
     RenderPage,
@@ -30,7 +31,7 @@ from nocturne_api.models.renders import (
 )
 from nocturne_api.operations.folder_access import FolderAccess
 from nocturne_api.operations.status_reason import sentence, situation_of
-from nocturne_api.operations.submission import CreateRequest, compiled, raise_if, request_id_problems
+from nocturne_api.operations.submission import compiled, raise_if, request_id_problems
 
 
 class Renders:
@@ -52,7 +53,7 @@ class Renders:
         self._compiling = asyncio.Semaphore(limits.COMPILES_AT_ONCE)
         self._waiting: Counter[str] = Counter()
 
-    async def create(self, request: CreateRequest) -> Render:
+    async def create(self, request: CreateRenderRequest) -> Render:
         """Makes a render, or gives back the one made before with this request id.
 
         Raises InputError with every problem found, Conflict where the caller used the request id for another,
@@ -168,7 +169,7 @@ class Renders:
         found = await self._access.in_database(self._access.folder.tiles.at_work, render.id)
         return TilesInProgress(tiles=[TileInProgress(tile=tile, worker=worker) for tile, worker in found])
 
-    async def _compiled_and_created(self, request: CreateRequest, owner: str) -> RenderRow:
+    async def _compiled_and_created(self, request: CreateRenderRequest, owner: str) -> RenderRow:
         folder = self._access.folder
         while True:
             new = await asyncio.to_thread(

@@ -2,8 +2,8 @@
 
 import json
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from typing import Any, TypeVar
 
@@ -27,36 +27,14 @@ from nocturne_scene.render_warnings import RenderWarning
 from nocturne_scene.scene_ranges import schedule_for_scene
 
 from nocturne_api.compiling.pool import CompileLimits, compile_in_child
+from nocturne_api.models.renders import CreateRenderRequest
 
 _T = TypeVar("_T")
 _SHA256 = re.compile("[0-9a-f]{64}")
 
 
-@dataclass(frozen=True)
-class CreateRequest:
-    """A scene to render. `scene` is the scene document as decoded JSON; film in pixels; samples per pixel.
-
-    `stop`: what else ends it, see `stop_conditions`. `priority`: 0 for the usual one. `layers`: see
-    `nocturne_scene.layers`. `group` and `after`: what it belongs to, and what has to end before it.
-    `tags`: words to sort renders by.
-    """
-
-    request_id: str
-    name: str
-    scene: Any
-    width: int
-    height: int
-    samples: int
-    stop: Mapping[str, Any] = field(default_factory=dict)
-    priority: int = 0
-    layers: Sequence[str] = ()
-    group: str = ""
-    after: str = ""
-    tags: Sequence[str] = ()
-
-
 def compiled(
-    request: CreateRequest, folder: DataFolder, owner: str, compile_limits: CompileLimits, quota: Quota
+    request: CreateRenderRequest, folder: DataFolder, owner: str, compile_limits: CompileLimits, quota: Quota
 ) -> NewRender:
     """The render that `request` asks for, its scene compiled into the folder's blobs.
 
@@ -147,7 +125,7 @@ def checked_stop(asked: Mapping[str, Any], before: StopConditions) -> StopCondit
     return stop_conditions(asked, datetime.now(UTC))
 
 
-def _text_problems(request: CreateRequest) -> Iterator[Problem]:
+def _text_problems(request: CreateRenderRequest) -> Iterator[Problem]:
     yield from request_id_problems(request.request_id)
     for field_name in ("name", "group", "after"):
         yield from _name_problems(getattr(request, field_name), f"$.{field_name}")

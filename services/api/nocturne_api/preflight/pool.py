@@ -2,7 +2,6 @@
 
 import asyncio
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
 from typing import Any
 
 from nocturne_scene.blobs import BlobStore
@@ -14,26 +13,13 @@ from nocturne_api.children import answer_of
 from nocturne_api.compiling.pool import CompileLimits
 from nocturne_api.errors import CantPreflight, Overloaded
 from nocturne_api.limits import PREFLIGHT_BUDGET_S, PREFLIGHT_WALL_S
+from nocturne_api.models.preflights import PreflightRequest
 
 _PROGRAM = ("-m", "nocturne_api.preflight.child")
 
 
-@dataclass(frozen=True)
-class PreflightSpec:
-    """A scene document as decoded JSON, the film in pixels, and the total relative error that is wanted.
-
-    `budget_seconds`: processor time of the small renders, about.
-    """
-
-    scene: Any
-    width: int
-    height: int
-    error: float
-    budget_seconds: float
-
-
 async def preflight_in_child(
-    request: PreflightSpec, blobs: BlobStore, limits: CompileLimits
+    request: PreflightRequest, blobs: BlobStore, limits: CompileLimits
 ) -> dict[str, Any]:
     """The report, with the document that is enough.
 
@@ -42,7 +28,7 @@ async def preflight_in_child(
     problems = list(await asyncio.to_thread(lambda: list(_problems(request))))
     if problems:
         raise InputError(problems)
-    job = {**asdict(request), "blobs": str(blobs.root), "objects": blobs.remote and blobs.remote.url}
+    job = {**request.model_dump(), "blobs": str(blobs.root), "objects": blobs.remote and blobs.remote.url}
     job["memory_bytes"] = limits.memory_bytes
     try:
         answer = await answer_of(_PROGRAM, job, PREFLIGHT_WALL_S)
@@ -55,7 +41,7 @@ async def preflight_in_child(
     return answer
 
 
-def _problems(request: PreflightSpec) -> Iterator[Problem]:
+def _problems(request: PreflightRequest) -> Iterator[Problem]:
     if not 0 < request.error < 1:
         yield Problem("$.error", "expected a number between 0 and 1, such as 0.02")
     if not 1 <= request.budget_seconds <= PREFLIGHT_BUDGET_S:

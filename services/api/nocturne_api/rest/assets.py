@@ -21,7 +21,7 @@ _FILE = {"application/octet-stream": {"schema": {"type": "string", "format": "bi
 async def missing_assets(request: Request, operations: Service) -> BatchMissingResponse:
     """Which of these files the service does not have yet."""
     body = await read_json(request, BatchMissingRequest, SMALL_BODY_BYTES)
-    return BatchMissingResponse(sha256=await operations.assets.missing(body.sha256))
+    return await operations.assets.missing(body.sha256)
 
 
 @router.put(

@@ -8,25 +8,19 @@ from typing import TypeVar
 from fastapi import Request
 from nocturne_scene.document.json_text import decode_json
 from nocturne_scene.errors import InputError
-from pydantic import BaseModel, ValidationError
 from starlette.requests import ClientDisconnect
 
 from nocturne_api.errors import BrokenOff
-from nocturne_api.rest.problems import problems_of
+from nocturne_api.models.base import RequestBody, validated
 
 _log = logging.getLogger(__name__)
 
-_Model = TypeVar("_Model", bound=BaseModel)
+_Model = TypeVar("_Model", bound=RequestBody)
 
 
 async def read_json(request: Request, model: type[_Model], limit_bytes: int) -> _Model:
     """The body as `model`; InputError for what is too big, no JSON, too deep, or not of the model's form."""
-    value = await asyncio.to_thread(decode_json, await _read(request, limit_bytes))
-    try:
-        return model.model_validate(value)
-    except ValidationError as error:
-        details = error.errors(include_url=False, include_input=False, include_context=False)
-        raise InputError(problems_of([{**each, "loc": ("body", *each["loc"])} for each in details])) from None
+    return validated(model, await asyncio.to_thread(decode_json, await _read(request, limit_bytes)))
 
 
 async def pieces(request: Request) -> AsyncIterator[bytes]:

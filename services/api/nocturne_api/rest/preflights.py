@@ -5,7 +5,6 @@ from fastapi import APIRouter, Request
 from nocturne_api.errors import CantPreflight, Overloaded
 from nocturne_api.limits import CREATE_BODY_BYTES
 from nocturne_api.models.preflights import PreflightReport, PreflightRequest
-from nocturne_api.preflight.pool import PreflightSpec
 from nocturne_api.rest.access import Service
 from nocturne_api.rest.bodies import read_json
 from nocturne_api.rest.contract import body_of, errors
@@ -16,5 +15,4 @@ router = APIRouter(prefix="/v1/preflights", tags=["preflights"])
 @router.post("", openapi_extra=body_of(PreflightRequest), responses=errors(CantPreflight, Overloaded))
 async def preflight(request: Request, operations: Service) -> PreflightReport:
     """What each part of a scene changes and costs, and the document that is enough. Takes minutes."""
-    body = await read_json(request, PreflightRequest, CREATE_BODY_BYTES)
-    return await operations.preflights.run(PreflightSpec(**dict(body)))
+    return await operations.preflights.run(await read_json(request, PreflightRequest, CREATE_BODY_BYTES))

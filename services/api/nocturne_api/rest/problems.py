@@ -1,17 +1,17 @@
 """Every error of the REST endpoint as RFC 9457 problem details, those of the framework included."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from http import HTTPStatus
-from typing import Any
 
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
-from nocturne_scene.errors import InputError, Problem
+from nocturne_scene.errors import InputError
 from starlette.exceptions import HTTPException
 from starlette.responses import JSONResponse, Response
 
 from nocturne_api.errors import TABLE, Failure, failure_of
 from nocturne_api.models import problems as models
+from nocturne_api.models.base import problems_of
 from nocturne_api.models.problems import ProblemDetails
 from nocturne_api.rest.contract import PROBLEM_MEDIA_TYPE
 
@@ -34,17 +34,6 @@ def response_of(failure: Failure, headers: Mapping[str, str] | None = None) -> P
     if failure.kind.retry_after_s:
         headers = {**(headers or {}), "Retry-After": str(failure.kind.retry_after_s)}
     return ProblemResponse(details.model_dump(), failure.kind.http_status, headers)
-
-
-def problems_of(errors: Sequence[Any]) -> list[Problem]:
-    """Pydantic's errors as problems: ("body", "a", 0) is the place `$.a[0]`, ("query", "n") is `query.n`."""
-    return [Problem(_place(error["loc"]), f"{error['msg']}") for error in errors]
-
-
-def _place(location: Sequence[str | int]) -> str:
-    head, *rest = location or ("body",)
-    parts = (f"[{part}]" if isinstance(part, int) else f".{part}" for part in rest)
-    return ("$" if head == "body" else str(head)) + "".join(parts)
 
 
 def install(app: FastAPI) -> None:

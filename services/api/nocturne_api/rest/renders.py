@@ -19,7 +19,6 @@ from nocturne_api.models.renders import (
     ReplayRenderRequest,
     TilesInProgress,
 )
-from nocturne_api.operations.submission import CreateRequest
 from nocturne_api.rest.access import Service
 from nocturne_api.rest.bodies import read_json
 from nocturne_api.rest.contract import body_of, errors
@@ -37,8 +36,7 @@ _OF_ONE = errors(NotFound, AmbiguousId)
 )
 async def create_render(request: Request, operations: Service) -> Render:
     """Submits a scene. Repeating a request_id gives back the render made before."""
-    body = await read_json(request, CreateRenderRequest, CREATE_BODY_BYTES)
-    return await operations.renders.create(CreateRequest(**dict(body)))
+    return await operations.renders.create(await read_json(request, CreateRenderRequest, CREATE_BODY_BYTES))
 
 
 @router.get("")
