@@ -107,9 +107,6 @@ async def test_nothing_is_left(
     assert (call["what"], call["render_id"], call["outcome"]) == ("delete", render_id, "done")
     for gone in (await rest.delete(f"/v1/renders/{render_id}"), await rest.get(f"/v1/renders/{render_id}")):
         assert (gone.status_code, gone.json()["reason"]) == (404, "NOT_FOUND")
-    with pytest.raises(grpc.aio.AioRpcError) as caught:
-        await Stub(channel).DeleteRender(pb.DeleteRenderRequest(id=render_id))
-    assert caught.value.code() == grpc.StatusCode.NOT_FOUND
     again = await ended(rest, folder, body, "a")
     await Stub(channel).DeleteRender(pb.DeleteRenderRequest(id=again, request_id="tidy"))
     assert folder.calls.last(1)[0]["request_id"] == "tidy"
@@ -117,7 +114,7 @@ async def test_nothing_is_left(
 
 
 async def test_what_runs_is_cancelled_first(
-    body: dict[str, Any], rest: httpx.AsyncClient, channel: grpc.aio.Channel, folder: DataFolder
+    body: dict[str, Any], rest: httpx.AsyncClient, folder: DataFolder
 ) -> None:
     await rest.put(f"/v1/assets/{ASSET}", content=PLY)
     render_id = (await rest.post("/v1/renders", json=body)).json()["id"]
@@ -127,9 +124,6 @@ async def test_what_runs_is_cancelled_first(
         answer = await rest.delete(f"/v1/renders/{render_id}")
         assert (answer.status_code, answer.json()["reason"]) == (409, "WRONG_STATE")
         assert answer.json()["detail"] == f"{render_id} is {state}; cancel it before it is deleted"
-    with pytest.raises(grpc.aio.AioRpcError) as caught:
-        await Stub(channel).DeleteRender(pb.DeleteRenderRequest(id=render_id))
-    assert caught.value.code() == grpc.StatusCode.FAILED_PRECONDITION
     assert folder.removals.open() == []
     await rest.post(f"/v1/renders/{render_id}:cancel")
     assert (await rest.delete(f"/v1/renders/{render_id}")).status_code == 204

@@ -77,9 +77,7 @@ async def test_slow_watchers_get_the_newest_state_only(
     assert len(states) < 20
 
 
-async def test_watching_what_is_not_there(rest: httpx.AsyncClient, channel: grpc.aio.Channel) -> None:
-    call = Stub(channel).WatchRender(pb.WatchRenderRequest(id="none"))
-    assert await call.code() == grpc.StatusCode.NOT_FOUND
+async def test_watching_what_is_not_there(rest: httpx.AsyncClient) -> None:
     assert (await rest.get("/v1/renders/none/events")).status_code == 404
 
 

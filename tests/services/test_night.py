@@ -1,16 +1,13 @@
-"""What keeps a night going, at both endpoints and the command line: conditions, pauses, extensions."""
+"""What keeps a night going, by REST and the command line: conditions, pauses, extensions."""
 
 import json
 import time
 from pathlib import Path
 from typing import Any
 
-import grpc
 import httpx
 import pytest
 import typer
-from nocturne.v1 import render_service_pb2 as pb
-from nocturne.v1 import render_service_pb2_grpc
 from nocturne_api.service import Service
 from nocturne_client.cli.app import app
 from nocturne_client.cli.stops import Stops, with_zone
@@ -18,8 +15,6 @@ from nocturne_coordinator.store.data_folder import DataFolder
 from typer.testing import CliRunner
 
 from tests.services import coordinator_acts
-
-Stub = render_service_pb2_grpc.RenderServiceStub
 
 STOP: dict[str, Any] = {
     "relative_error": 0.01,
@@ -29,9 +24,7 @@ STOP: dict[str, Any] = {
 }
 
 
-async def test_stop_conditions_come_back_at_both_endpoints(
-    body: dict[str, Any], rest: httpx.AsyncClient, channel: grpc.aio.Channel
-) -> None:
+async def test_stop_conditions_come_back(body: dict[str, Any], rest: httpx.AsyncClient) -> None:
     stop = {**STOP, "until": "07:00 Europe/Berlin"}
     answer = await rest.post("/v1/renders", json={**body, "stop": stop, "priority": 300})
     assert answer.status_code == 201, answer.text
@@ -39,18 +32,9 @@ async def test_stop_conditions_come_back_at_both_endpoints(
     assert {name: render["stop"][name] for name in stop} == stop
     assert 0 < render["stop"]["until_time"] - time.time() <= 86400 + 3600
     assert render["priority"] == 300
-    message = await Stub(channel).GetRender(pb.GetRenderRequest(id=render["id"]))
-    assert {name: getattr(message.stop, name) for name in stop} == stop
-    # The same words are the same request, whenever they are repeated, at either endpoint.
-    again = await Stub(channel).CreateRender(
-        pb.CreateRenderRequest(
-            scene_json=json.dumps(body["scene"]),
-            stop=pb.StopConditions(**stop),
-            priority=300,
-            **{name: body[name] for name in ("request_id", "name", "width", "height", "samples")},
-        )
-    )
-    assert again.id == render["id"]
+    # The same words are the same request, whenever they are repeated.
+    again = await rest.post("/v1/renders", json={**body, "stop": stop, "priority": 300})
+    assert again.json()["id"] == render["id"]
     other = await rest.post("/v1/renders", json={**body, "stop": {}, "priority": 300})
     assert other.json()["reason"] == "CONFLICT"
 
@@ -75,22 +59,15 @@ async def test_what_can_not_be_asked_for_is_named(
 
 
 async def test_pause_resume_priority_extend(
-    body: dict[str, Any], rest: httpx.AsyncClient, channel: grpc.aio.Channel, folder: DataFolder
+    body: dict[str, Any], rest: httpx.AsyncClient, folder: DataFolder
 ) -> None:
     render_id = (await rest.post("/v1/renders", json=body)).json()["id"]
     path = f"/v1/renders/{render_id}"
     for _ in range(2):
         assert (await rest.post(f"{path}:pause")).json()["state"] == "PAUSED"
-    assert (
-        await Stub(channel).ResumeRender(pb.ResumeRenderRequest(id=render_id))
-    ).state == pb.RENDER_STATE_QUEUED
-    assert (
-        await Stub(channel).PauseRender(pb.PauseRenderRequest(id=render_id))
-    ).state == pb.RENDER_STATE_PAUSED
     assert (await rest.post(f"{path}:resume", json={})).json()["state"] == "QUEUED"
     changed = (await rest.post(f"{path}:setPriority", json={"priority": 7})).json()
     assert changed["priority"] == 7
-    assert (await Stub(channel).SetPriority(pb.SetPriorityRequest(id=render_id, priority=9))).priority == 9
     assert (await rest.post(f"{path}:setPriority", json={"priority": 0})).status_code == 422
 
     coordinator_acts.progress(folder, render_id, 40 * 30 * 16)
@@ -98,23 +75,16 @@ async def test_pause_resume_priority_extend(
     for verb in ("pause", "resume"):
         answer = await rest.post(f"{path}:{verb}")
         assert (answer.status_code, answer.json()["reason"]) == (409, "WRONG_STATE")
-    with pytest.raises(grpc.aio.AioRpcError) as caught:
-        await Stub(channel).PauseRender(pb.PauseRenderRequest(id=render_id))
-    assert caught.value.code() == grpc.StatusCode.FAILED_PRECONDITION
 
     assert (await rest.post(f"{path}:extend", json={"samples": 8})).status_code == 422
     extended = (await rest.post(f"{path}:extend", json={"samples": 64, "stop": STOP})).json()
     assert (extended["state"], extended["samples"], extended["ended"]) == ("QUEUED", 64, 0.0)
     assert extended["progress"]["mean_samples"] == 16
-    again = await Stub(channel).ExtendRender(
-        pb.ExtendRenderRequest(id=render_id, samples=64, stop=pb.StopConditions(**STOP))
-    )
-    assert again.sequence == extended["sequence"]
+    again = (await rest.post(f"{path}:extend", json={"samples": 64, "stop": STOP})).json()
+    assert again["sequence"] == extended["sequence"]
 
 
-async def test_an_extension_changes_only_what_it_names(
-    body: dict[str, Any], rest: httpx.AsyncClient, channel: grpc.aio.Channel
-) -> None:
+async def test_an_extension_changes_only_what_it_names(body: dict[str, Any], rest: httpx.AsyncClient) -> None:
     asked = {**STOP, "until": "07:00 Europe/Berlin"}
     render_id = (await rest.post("/v1/renders", json={**body, "stop": asked})).json()["id"]
     path = f"/v1/renders/{render_id}:extend"
@@ -123,10 +93,8 @@ async def test_an_extension_changes_only_what_it_names(
     assert {name: more["stop"][name] for name in asked} == asked
     changed = (await rest.post(path, json={"stop": {"relative_error": 0.02}})).json()["stop"]
     assert changed == {**more["stop"], "relative_error": 0.02}
-    message = pb.ExtendRenderRequest(id=render_id, drop=["until", "tile_relative_error"])
-    dropped = (await Stub(channel).ExtendRender(message)).stop
-    assert (dropped.until, dropped.until_time, dropped.tile_relative_error) == ("", 0.0, 0.0)
-    assert (dropped.relative_error, dropped.cpu_seconds) == (0.02, changed["cpu_seconds"])
+    dropped = (await rest.post(path, json={"drop": ["until", "tile_relative_error"]})).json()["stop"]
+    assert dropped == {**changed, "until": "", "until_time": 0.0, "tile_relative_error": 0.0}
 
 
 @pytest.mark.parametrize(
@@ -163,7 +131,7 @@ async def test_what_would_end_at_once_is_not_extended(
 
 
 async def test_replay_needs_samples(
-    body: dict[str, Any], rest: httpx.AsyncClient, channel: grpc.aio.Channel, folder: DataFolder
+    body: dict[str, Any], rest: httpx.AsyncClient, folder: DataFolder
 ) -> None:
     render_id = (await rest.post("/v1/renders", json=body)).json()["id"]
     answer = await rest.post(f"/v1/renders/{render_id}:replay", json={"request_id": "again"})
@@ -175,28 +143,8 @@ async def test_replay_needs_samples(
     assert folder.database.row("SELECT stop FROM render WHERE id = ?", (replay["id"],))["stop"] == (  # type: ignore[index]
         '{"tile_samples":[0,8]}'
     )
-    again = await Stub(channel).ReplayRender(pb.ReplayRenderRequest(id=render_id, request_id="again"))
-    assert again.id == replay["id"]
-
-
-async def test_grpc_has_the_history_and_the_stream_of_all(
-    body: dict[str, Any], rest: httpx.AsyncClient, channel: grpc.aio.Channel, folder: DataFolder
-) -> None:
-    render = (await rest.post("/v1/renders", json=body)).json()
-    folder.database.execute(
-        "INSERT INTO error_point VALUES (?, ?, ?, ?, ?, 0.25, 70.0)",
-        (render["id"], render["created"] + 2.5, 4800, 4.0, 0.125),
-    )
-    points = (await rest.get(f"/v1/renders/{render['id']}/convergence")).json()["points"]
-    answer = await Stub(channel).GetConvergence(pb.GetConvergenceRequest(id=render["id"]))
-    told = [{name: getattr(point, name) for name in points[0]} for point in answer.points]
-    assert told == points
-    watching = Stub(channel).WatchRenders(pb.WatchRendersRequest())
-    states = aiter(watching)
-    assert (await anext(states)).id == render["id"]
-    second = (await rest.post("/v1/renders", json={**body, "request_id": "second"})).json()
-    assert (await anext(states)).id == second["id"]
-    watching.cancel()
+    again = (await rest.post(f"/v1/renders/{render_id}:replay", json={"request_id": "again"})).json()
+    assert again["id"] == replay["id"]
 
 
 async def test_the_command_line_does_it_all(

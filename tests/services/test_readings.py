@@ -1,13 +1,10 @@
-"""What a part of an image shows, in numbers: the same over REST and gRPC, by the formula of one place."""
+"""What a part of an image shows, in numbers, by the formula of one place."""
 
 from typing import Any
 
-import grpc
 import httpx
 import numpy as np
 import pytest
-from nocturne.v1 import render_service_pb2 as pb
-from nocturne.v1 import render_service_pb2_grpc
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.models import Reading, ReadValue, Region
 from nocturne_client.readings import parse_region, sentence
@@ -72,20 +69,6 @@ async def test_a_pixel_has_the_error_of_its_own_samples_and_of_one_more_find(
     more = np.array([each["standard_error"] for each in read["values"]]) / expected
     assert ((more > 1.0) & (more < 1.01)).all()
     assert read["correlation"] == 1.0
-
-
-async def test_grpc_says_what_rest_says(
-    rest: httpx.AsyncClient, channel: grpc.aio.Channel, rendered: str
-) -> None:
-    whole = (await rest.get(f"/v1/renders/{rendered}/reading")).json()
-    assert whole["pixels"] == WIDTH * HEIGHT
-    stub = render_service_pb2_grpc.RenderServiceStub(channel)
-    told = await stub.ReadRegion(pb.ReadRegionRequest(id=rendered))
-    assert [(each.name, each.mean, each.standard_error) for each in told.values] == [
-        (each["name"], each["mean"], each["standard_error"]) for each in whole["values"]
-    ]
-    assert (told.u_prime, told.u_prime_error) == (whole["u_prime"], whole["u_prime_error"])
-    assert told.correlation == whole["correlation"]
 
 
 @pytest.mark.parametrize("region", [(40, 0, 1, 1), (0, 0, 41, 1), (0, 0, 1, 0), (-1, 0, 1, 1)])

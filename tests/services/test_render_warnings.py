@@ -1,14 +1,11 @@
-"""Warnings of a render: the same data at both endpoints, on the command line and in the log."""
+"""Warnings of a render: the same data by REST, on the command line and in the log."""
 
 import asyncio
 import json
 from dataclasses import asdict
 
-import grpc
 import httpx
 import pytest
-from nocturne.v1 import render_service_pb2 as pb
-from nocturne.v1 import render_service_pb2_grpc, warning_pb2
 from nocturne_client.cli.output import CONSOLE, print_render, print_renders
 from nocturne_client.decoding import decode
 from nocturne_client.models import Render
@@ -37,16 +34,10 @@ def render_id(folder: DataFolder) -> str:
     ).id
 
 
-async def test_both_endpoints_tell_them(
-    render_id: str, rest: httpx.AsyncClient, channel: grpc.aio.Channel
-) -> None:
+async def test_renders_and_lists_have_them(render_id: str, rest: httpx.AsyncClient) -> None:
     told = (await rest.get(f"/v1/renders/{render_id}")).json()["warnings"]
     assert told == json.loads(json.dumps([each.to_json() for each in WARNINGS]))
     assert (await rest.get("/v1/renders")).json()["renders"][0]["warnings"] == told
-    stub = render_service_pb2_grpc.RenderServiceStub(channel)
-    message = await stub.GetRender(pb.GetRenderRequest(id=render_id))
-    assert list(message.warnings) == [each.message() for each in WARNINGS]
-    assert isinstance(message.warnings[0], warning_pb2.RenderWarning)
 
 
 async def test_the_command_line_says_them_and_programs_get_them(
