@@ -204,7 +204,7 @@ bench: build  ## Speed figures, each a line of JSON; charts and latest results i
 	$(PYTHON) -m bench.suite $(if $(filter full,$(BENCH)),--full)
 
 contract: proto  ## The API's description, its page of routes and the Python client's models, from the REST models
-	$(PYTHON) -m nocturne_api.rest.openapi > build/openapi.json
+	$(PYTHON) -m nocturne_api.rest.app > build/openapi.json
 	mv build/openapi.json docs/reference/openapi.json
 	$(PYTHON) -m nocturne_api.rest.routes_page > docs/reference/routes.md
 	$(PYTHON) services/client/generate_models.py > build/contract.py

@@ -11,7 +11,7 @@ from nocturne.v1 import render_service_pb2 as pb
 from nocturne.v1 import render_service_pb2_grpc
 from nocturne_api.service import Service
 from nocturne_client.cli.app import app
-from nocturne_client.cli.output import CONSOLE
+from nocturne_client.console import CONSOLE
 from nocturne_coordinator.store.data_folder import DataFolder
 from typer.testing import CliRunner, Result
 

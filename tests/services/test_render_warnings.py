@@ -6,7 +6,8 @@ from dataclasses import asdict
 
 import httpx
 import pytest
-from nocturne_client.cli.output import CONSOLE, print_render, print_renders
+from nocturne_client.cli.output import print_render, print_renders
+from nocturne_client.console import CONSOLE
 from nocturne_client.decoding import decode
 from nocturne_client.models import Render
 from nocturne_coordinator.store.data_folder import DataFolder

@@ -1,5 +1,7 @@
-"""Puts the REST endpoint together."""
+"""Puts the REST endpoint together. `python -m nocturne_api.rest.app` prints its OpenAPI document."""
 
+import json
+import sys
 from pathlib import Path
 
 from fastapi import FastAPI
@@ -82,3 +84,13 @@ def build_rest(operations: Operations, web: Path, loopback_only: bool, authentic
 
 def _name_of(route: APIRoute) -> str:
     return route.name
+
+
+def main() -> None:
+    """Prints the document as docs/reference/openapi.json has it."""
+    json.dump(described_app().openapi(), sys.stdout, indent=2, ensure_ascii=False)
+    sys.stdout.write("\n")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,11 +1,9 @@
-"""The OpenAPI document, made from the routes and the models. `python -m nocturne_api.rest.openapi` prints it.
+"""The OpenAPI document, made from the routes and the models.
 
 docs/reference/openapi.json is that document as committed; the page's types and the Python client's models
 are made from the file, so neither needs this package.
 """
 
-import json
-import sys
 from typing import Any
 
 from fastapi import FastAPI
@@ -86,15 +84,3 @@ def _tidy(part: Any) -> None:
     for name, value in part.items():
         if name not in ("example", "examples", "default"):
             _tidy(value)
-
-
-def main() -> None:
-    """Prints the document as docs/reference/openapi.json has it."""
-    from nocturne_api.rest.app import described_app
-
-    json.dump(described_app().openapi(), sys.stdout, indent=2, ensure_ascii=False)
-    sys.stdout.write("\n")
-
-
-if __name__ == "__main__":
-    main()

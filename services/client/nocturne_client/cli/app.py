@@ -14,7 +14,8 @@ from nocturne_client.cli import (
     token_commands,
     webhook_commands,
 )
-from nocturne_client.cli.output import ERRORS, ExitStatus, print_error
+from nocturne_client.cli.output import ExitStatus, print_error
+from nocturne_client.console import ERRORS
 from nocturne_client.errors import NocturneClientError, NotReachedError
 from nocturne_client.version import installed_version
 

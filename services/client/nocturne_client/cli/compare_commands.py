@@ -5,7 +5,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from nocturne_client.cli.output import ERRORS, AsJson, Url, print_json
+from nocturne_client.cli.output import AsJson, Url, print_json
+from nocturne_client.console import ERRORS
 
 if TYPE_CHECKING:
     from nocturne_client.local.comparing import Compared

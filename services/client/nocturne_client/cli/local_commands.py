@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 import typer
 
 from nocturne_client.cli.additions import BandEdges, LayerNames, Settings, changes_of, layer_names
-from nocturne_client.cli.output import CONSOLE, ERRORS, AsJson, print_json
+from nocturne_client.cli.output import AsJson, print_json
 from nocturne_client.cli.scene_options import (
     DEFAULT_EDGE,
     AllowMissing,
@@ -21,6 +21,7 @@ from nocturne_client.cli.scene_options import (
     Width,
 )
 from nocturne_client.cli.stops import Error, For, Stops
+from nocturne_client.console import CONSOLE, ERRORS
 
 Threads = Annotated[int, typer.Option("--threads", min=0, help="0: one per processor.")]
 

@@ -12,14 +12,13 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Column, Table
 
+from nocturne_client.console import CONSOLE, ERRORS
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.models import Group, Progress, Render, Usage, Worker
 from nocturne_client.transport import DEFAULT_URL
 
-CONSOLE = Console(highlight=False)
 # Of the columns beside the ids, with a word of each name: together they fit into 80 columns.
 _OTHER_COLUMNS_WIDTH = 64
-ERRORS = Console(stderr=True, highlight=False)
 
 Url = Annotated[
     str | None, typer.Option("--url", envvar="NOCTURNE_URL", help=f"The service; default {DEFAULT_URL}.")

@@ -10,9 +10,10 @@ import typer
 from rich.progress import Progress
 
 from nocturne_client.cli.local_commands import Threads
-from nocturne_client.cli.output import CONSOLE, ERRORS, AsJson, print_json
+from nocturne_client.cli.output import AsJson, print_json
 from nocturne_client.cli.scene_options import Height, ScenePath, Width
 from nocturne_client.cli.stops import share
+from nocturne_client.console import CONSOLE, ERRORS
 
 
 def add_to(app: typer.Typer) -> None:

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from nocturne_client.cli.output import (
-    ERRORS,
     AsJson,
     Url,
     group_sentence,
@@ -24,6 +23,7 @@ from nocturne_client.cli.submit_command import submit
 from nocturne_client.cli.top import show_top
 from nocturne_client.cli.watching import about, follow, graphics_wanted
 from nocturne_client.client import Client, ImageKind
+from nocturne_client.console import ERRORS
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.outputs import check_output
 from nocturne_client.readings import parse_region, sentence

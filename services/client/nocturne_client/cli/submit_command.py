@@ -9,7 +9,7 @@ from typing import Annotated, Any
 import typer
 
 from nocturne_client.cli.additions import BandEdges, LayerNames, Settings, changes_of, layer_names
-from nocturne_client.cli.output import ERRORS, AsJson, Url, print_render
+from nocturne_client.cli.output import AsJson, Url, print_render
 from nocturne_client.cli.scene_options import (
     DEFAULT_EDGE,
     AllowMissing,
@@ -22,6 +22,7 @@ from nocturne_client.cli.scene_options import (
 from nocturne_client.cli.stops import Cpu, Error, For, Stops, TileError, Until
 from nocturne_client.cli.watching import follow
 from nocturne_client.client import Client
+from nocturne_client.console import ERRORS
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.models import Render
 from nocturne_client.scene_files import is_of_other_renderer

@@ -7,8 +7,9 @@ from rich.live import Live
 from rich.markup import escape
 from rich.table import Column, Table
 
-from nocturne_client.cli.output import CONSOLE, duration, time_left
+from nocturne_client.cli.output import duration, time_left
 from nocturne_client.client import Client
+from nocturne_client.console import CONSOLE
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.models import Render, Worker, WorkOfWorker
 

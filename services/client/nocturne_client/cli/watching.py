@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 from rich.markup import escape
 from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn
 
-from nocturne_client.cli.output import ERRORS, ExitStatus, duration, print_json
+from nocturne_client.cli.output import ExitStatus, duration, print_json
+from nocturne_client.console import ERRORS
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.models import Render
 from nocturne_client.preview.graphics import Graphics, graphics_of

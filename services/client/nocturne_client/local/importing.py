@@ -9,7 +9,7 @@ from nocturne_scene.errors import InputError
 from nocturne_scene.formats.import_scene import Incomplete, import_scene
 from nocturne_scene.formats.reading.options import Imported, ImportOptions
 
-from nocturne_client.cli.output import ERRORS
+from nocturne_client.console import ERRORS
 from nocturne_client.errors import NocturneClientError, Problem
 from nocturne_client.scene_files import is_of_other_renderer
 

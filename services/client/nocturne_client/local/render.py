@@ -16,7 +16,7 @@ from nocturne_coordinator.output.images import FINAL_COMPRESSION, write_preview
 from nocturne_scene.compare.images import read_picture
 from rich.progress import Progress
 
-from nocturne_client.cli.output import ERRORS
+from nocturne_client.console import ERRORS
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.compiled import CompiledFolder, compile_to
 from nocturne_client.local.image_error import image_error

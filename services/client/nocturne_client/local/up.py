@@ -20,7 +20,7 @@ from nocturne_scene.replacing import replacing
 from rich.markup import escape
 from rich.panel import Panel
 
-from nocturne_client.cli.output import CONSOLE, ERRORS
+from nocturne_client.console import CONSOLE, ERRORS
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.children import Child
 from nocturne_client.local.probes import api_answers, is_fresh, redis_answers, worker_is_heard_of
