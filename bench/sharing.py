@@ -23,7 +23,7 @@ from bench.report import Figures, Row, significant
 from bench.scenes import compile_film
 
 SCENES = ("cornell", "room")
-WAYS = {"alone": 1, "2 x 2": 4, "4 x 4": 16}
+WAYS = {"alone": 1, "4 x 4": 16}
 PICTURES = CHECKOUT / "docs" / "images" / "sharing"
 
 _THREADS = 2

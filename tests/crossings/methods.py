@@ -60,7 +60,7 @@ def methods_of(scene: Scene) -> dict[str, Document]:
     chance = Chance(scene.seed + 10**9)
     found = {
         PLAIN: dict(_PLAIN),
-        "shared": {"sharing": chance.pick([4, 16]), "direction": "adjoint"},
+        "shared": {"sharing": 16, "direction": "adjoint"},
         "mixture": _PLAIN | {"estimator": "mixture"} | _mixture(chance, wide=scene.wide),
         "varied": _varied(chance, wide=scene.wide),
     }
@@ -94,7 +94,7 @@ def _varied(chance: Chance, *, wide: bool) -> Document:
     if estimator == "split":
         made["split_vertices"] = chance.whole(1, 2)
     else:
-        made["sharing"] = chance.pick([1, 4, 16])
+        made["sharing"] = chance.pick([1, 16, 16])
     made["photons_together"] = chance.pick([1, 4, "auto"])
     if chance.maybe(0.5):
         made["roulette"] = chance.pick(["albedo", "weight"])
@@ -109,7 +109,7 @@ def _other(chance: Chance, document: Document, direction: str) -> Document:
     # Guided photons are those of the chosen method; here they would ask a pilot each time.
     made: Document = {"direction": direction, "sequence": "independent", "guide": "none"}
     if direction == "both":
-        made["sharing"] = chance.pick([1, 1, 4, 16])
+        made["sharing"] = chance.pick([1, 16])
         made["forward_ratio"] = chance.pick(["auto", 0.5, 2.0])
     through_media = {"media", "unbounded_media", "atmosphere"} & document.keys()
     if chance.maybe(0.5):

@@ -255,8 +255,8 @@ def test_parts_beyond_the_largest_are_counted() -> None:
     ("tracing", "chosen"),
     [
         ({"direction": "adjoint"}, [["sharing"]]),
-        ({"sharing": 4}, [["direction", "ratio", "learn", "guide"]]),
-        ({"sharing": 4, "aimed_emission": 0, "forward_ratio": 2, "guide": "none"}, [["direction"]]),
+        ({"sharing": 16}, [["direction", "ratio", "learn", "guide"]]),
+        ({"sharing": 16, "aimed_emission": 0, "forward_ratio": 2, "guide": "none"}, [["direction"]]),
         ({"direction": "both", "sharing": 1}, [["guide"]]),
         ({"direction": "both", "sharing": 1, "guide": "none"}, []),
         ({"estimator": "mixture"}, [["direction", "ratio", "learn", "guide"]]),

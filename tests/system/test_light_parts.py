@@ -112,7 +112,7 @@ def test_a_lamp_over_a_plane_has_no_indirect_light(tmp_path: Path) -> None:
         {"direction": "adjoint", "sharing": 1},
         {"direction": "adjoint", "sharing": 16},
         {"direction": "both", "sharing": 1},
-        {"direction": "both", "sharing": 4},
+        {"direction": "both", "sharing": 16},
         {"direction": "adjoint", "sharing": 1, "estimator": "mixture"},
     ],
     ids=lambda tracing: " ".join(str(each) for each in tracing.values()),

@@ -93,12 +93,12 @@ class Tracing(Node):
         "caustics, and photons from the camera find all other light. Neither is for luminaires with "
         "textures.",
     )
-    sharing: Literal["auto", 1, 4, 16] = Field(
+    sharing: Literal["auto", 1, 16] = Field(
         default="auto",
-        description="Pixels that share what their photons find from the second surface on: blocks of "
-        "2 x 2 or 4 x 4, or each alone. `auto`: 16 where a pilot finds that better, else 1. The image "
-        "converges to the same; in rooms, where much light comes by way of other surfaces, 16 has less noise "
-        "for the same time.",
+        description="Pixels that share what their photons find from the second surface on, where that is "
+        "diffuse: blocks of 4 x 4, or each alone. `auto`: 16 where a pilot finds that better, else 1. The "
+        "image converges to the same; in rooms, where much light comes by way of diffuse surfaces, 16 has "
+        "less noise for the same time.",
     )
     aimed_emission: Annotated[Finite, Field(ge=0, le=0.99)] | None = Field(
         default=None,

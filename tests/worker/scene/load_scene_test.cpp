@@ -114,7 +114,7 @@ TEST(LoadScene, RefusesDamagedMessagesInWords) {
       {"roulette", [](auto& m) { m.mutable_tracing()->clear_roulette(); }},
       {"sequence", [](auto& m) { m.mutable_tracing()->clear_sequence(); }},
       {"group of photons", [](auto& m) { m.mutable_tracing()->set_group(3); }},
-      {"block of pixels", [](auto& m) { m.mutable_tracing()->set_sharing(8); }},
+      {"block of pixels", [](auto& m) { m.mutable_tracing()->set_sharing(4); }},
       {"split", [](auto& m) { m.mutable_tracing()->set_split_vertices(9); }},
       {"aimed", [](auto& m) { m.mutable_tracing()->set_aimed_emission(1.0); }},
       {"forward photons",

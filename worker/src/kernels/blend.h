@@ -53,15 +53,6 @@ class BoundBlend {
   Spectral<N> value(Vec3 wo, Vec3 wi) const {
     return sum([&](const auto& kernel) { return Spectral<N>(kernel.value(wo, wi)); });
   }
-  Spectral<N> diffuse_value(Vec3 wo, Vec3 wi) const {
-    return sum([&]<class Kernel>(const Kernel& kernel) {
-      if constexpr (HasDiffusePart<Kernel, N>) {
-        return Spectral<N>(kernel.diffuse_value(wo, wi));
-      } else {
-        return Spectral<N>(0.0f);
-      }
-    });
-  }
   Spectral<N> pdf(Vec3 wo, Vec3 wi) const {
     return sum([&](const auto& kernel) { return Spectral<N>(kernel.pdf(wo, wi)); }) / total_;
   }

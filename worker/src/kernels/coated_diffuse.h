@@ -67,17 +67,10 @@ struct BoundCoatedDiffuse {
                 leaving);
   }
 
-  Spectral<N> diffuse_value(Vec3 wo, Vec3 wi) const {
-    if (wi.z <= 0.0f) return 0.0f;
-    return each(
-        [&](float o, float i, float g) { return (1.0f - o) * (1.0f - i) * g * kInvPi * wi.z; },
-        coat(wo), coat(wi), gain);
-  }
-
   Evaluation<N> evaluate(Vec3 wo, Vec3 wi) const {
     if (wi.z <= 0.0f) return Evaluation<N>::nothing();
     const float glossy = glossy_probability(wo);
-    Spectral<N> r = diffuse_value(wo, wi);
+    Spectral<N> r = diffuse(wo, wi);
     float p = (1.0f - glossy) * CosineHemisphere::pdf(wi);
     if (!roughness.smooth) {
       const Vec3 h = half_vector(wo, wi);
@@ -116,6 +109,12 @@ struct BoundCoatedDiffuse {
           return Coat{n, alpha, roughness.smooth}.reflectance(w.z);
         },
         ratio);
+  }
+
+  Spectral<N> diffuse(Vec3 wo, Vec3 wi) const {
+    return each(
+        [&](float o, float i, float g) { return (1.0f - o) * (1.0f - i) * g * kInvPi * wi.z; },
+        coat(wo), coat(wi), gain);
   }
 
   Spectral<N> first_facet(float cosine) const {

@@ -20,7 +20,6 @@ struct BoundDiffuseTransmitter {
   Spectral<N> value(Vec3, Vec3 wi) const {
     return std::fabs(wi.z) * kInvPi * (wi.z > 0.0f ? reflectance : transmittance);
   }
-  Spectral<N> diffuse_value(Vec3 wo, Vec3 wi) const { return value(wo, wi); }
   std::optional<Draw<N>> sample(Vec3, const KernelNumbers& numbers, std::size_t) const {
     Vec3 wi = CosineHemisphere::sample(numbers.u, numbers.v);
     if (!(numbers.part < reflecting)) wi.z = -wi.z;

@@ -102,14 +102,6 @@ concept BoundKernel = requires(const B& b, Vec3 wo, Vec3 wi, const KernelNumbers
   { b.transmits() } -> std::same_as<bool>;
 };
 
-/// A bound kernel of whose value a part hardly depends on wo, as light that was under the surface
-/// or in cloth leaves to all sides.
-template <class B, int N>
-concept HasDiffusePart = requires(const B& b, Vec3 wo, Vec3 wi) {
-  /// That part of `value`, never more than it.
-  { b.diffuse_value(wo, wi) } -> std::same_as<Spectral<N>>;
-};
-
 /// A bound kernel that answers for value and density together with less work than one by one.
 template <class B, int N>
 concept EvaluatesTogether = requires(const B& b, Vec3 wo, Vec3 wi) {

@@ -14,7 +14,6 @@ struct BoundLambertian : UniformSampling<N> {
 
   Spectral<N> albedo(Vec3) const { return reflectance; }
   Spectral<N> value(Vec3, Vec3 wi) const { return CosineHemisphere::pdf(wi) * reflectance; }
-  Spectral<N> diffuse_value(Vec3 wo, Vec3 wi) const { return value(wo, wi); }
   static std::optional<Draw<N>> sample(Vec3, const KernelNumbers& numbers, std::size_t) {
     return Draw<N>{.wi = CosineHemisphere::sample(numbers.u, numbers.v)};
   }

@@ -158,13 +158,6 @@ struct BoundPrincipled {
   Spectral<N> value(Vec3 wo, Vec3 wi) const { return evaluate(wo, wi).value; }
   Spectral<N> pdf(Vec3 wo, Vec3 wi) const { return evaluate(wo, wi).pdf; }
 
-  Spectral<N> diffuse_value(Vec3 out, Vec3 in) const {
-    if (in.z <= 0.0f) return 0.0f;
-    const Vec3 wo = turn.in(out), wi = turn.in(in);
-    const Spectral<N> r = diffuse(wo, wi, coat.reflectance(wo), coat.reflectance(wi));
-    return sheen.there() ? r * sheen.through(wo.z, wi.z) : r;
-  }
-
   std::optional<Draw<N>> sample(Vec3 out, const KernelNumbers& numbers, std::size_t) const {
     const Vec3 wo = turn.in(out);
     const float coated = coat.reflectance(wo);

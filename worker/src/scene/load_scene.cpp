@@ -119,8 +119,7 @@ TracingOptions load_tracing(const v1::Tracing& t, bool no_lights) {
           "more than 8 vertices that split");
   require(t.group() == 1 || t.group() == 4, "a group of photons that is not 1 or 4");
   const std::uint32_t sharing = std::max(1u, t.sharing());
-  require(sharing == 1 || sharing == 4 || sharing == 16,
-          "a block of pixels that share which is not 1, 4 or 16");
+  require(sharing == 1 || sharing == 16, "a block of pixels that share which is not 1 or 16");
   // Without others, light that takes another way from the luminaires would be lost.
   require(t.aimed_emission() >= 0.0 && t.aimed_emission() <= 0.99,
           "a part of aimed photons beyond 0 to 0.99");

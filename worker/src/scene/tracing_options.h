@@ -60,7 +60,7 @@ struct TracingOptions {
   std::uint32_t split_vertices;
   /// Photons that travel together: 1 or 4.
   std::uint32_t group;
-  /// Pixels of a block that share what their photons find: 1, 4 or 16.
+  /// Pixels of a block that share what their photons find: 16, or 1 where each is alone.
   std::uint32_t sharing;
   Direction direction;
   /// Part of the photons from luminaires that is drawn towards important shapes, [0, 1).

@@ -62,8 +62,6 @@ struct Start {
 
 template <int N>
 struct Group {
-  static constexpr std::uint32_t kNone = ~0u;
-
   explicit Group(const PhotonSequence& numbers) : sequence(numbers) {}
 
   Ray ray;
@@ -92,8 +90,6 @@ struct Group {
   std::uint32_t caught = 0;
   /// Left a first vertex as its neighbours' photons might: the next surface may be shared.
   bool shares = false;
-  /// At a second vertex whose arrivals are kept: its index, or kNone.
-  std::uint32_t second = kNone;
   /// Something else than mirrors and clear surfaces turned it.
   bool scattered = false;
   /// Of photons in both directions.

@@ -84,7 +84,7 @@ void PixelBatches<N, Media>::trace(std::span<const PixelIndex> samples, TileSums
 /// always in the same order.
 template <int N, bool Media>
 PixelSequence& PixelBatches<N, Media>::sequence_of(std::uint32_t pixel) {
-  constexpr std::size_t kLookBack = 2 * kMaxSharing;
+  constexpr std::size_t kLookBack = 2 * kSharingPixels;
   const auto known = [&](std::size_t i) { return i < pixels_.size() && pixels_[i] == pixel; };
   if (known(latest_ + 1)) return sequences_[++latest_];
   const std::size_t end = pixels_.size(), begin = end > kLookBack ? end - kLookBack : 0;

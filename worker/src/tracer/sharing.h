@@ -30,28 +30,7 @@ struct FirstVertex {
   bool diffuse_like;
 };
 
-/// A way by which light came to a second vertex, where the vertex's kernel asks for it.
-template <int N>
-struct Arrival {
-  /// In the kernel's frame.
-  Vec3 wi;
-  /// Where what came by it is counted, as of weight 1 at the vertex.
-  std::uint32_t tally;
-  /// Of the same vertex, or kNone.
-  std::uint32_t next;
-
-  static constexpr std::uint32_t kNone = ~0u;
-};
-
-/// An arrival with 1 / (the kernel's value that its tally holds).
-template <int N>
-struct Counted {
-  Vec3 wi;
-  std::uint32_t tally;
-  Spectral<N> inverse;
-};
-
-/// A surface that photons met next, whose kernel has a diffuse part.
+/// A diffuse surface that photons met next.
 template <int N>
 struct SecondVertex {
   std::uint32_t sample;
@@ -62,14 +41,8 @@ struct SecondVertex {
   Hit hit;
   /// The geometric normal on the side that they came from.
   Vec3 normal;
-  Frame frame;
-  /// Lambert's kernel sends the same to all sides: all that is found is in `tally`.
-  bool lambertian;
-  /// Of another kernel: its diffuse part is shared, by arrival; in `tally` is what came by mirrors.
-  Vec3 wo;
-  std::uint32_t kernel;
-  Shading<N> shading;
-  std::uint32_t arrivals = Arrival<N>::kNone;
+  /// Of the kernel's frame.
+  Vec3 frame_normal;
 };
 
 /// Some second vertices side by side: a first vertex looks at all of them at once.
@@ -82,7 +55,7 @@ struct SecondLanes {
 
   template <int N>
   void set(std::size_t i, const SecondVertex<N>& second) {
-    const Vec3 p = second.hit.position, n = second.normal, k = second.frame.normal;
+    const Vec3 p = second.hit.position, n = second.normal, k = second.frame_normal;
     x[i] = p.x, y[i] = p.y, z[i] = p.z;
     nx[i] = n.x, ny[i] = n.y, nz[i] = n.z;
     kx[i] = k.x, ky[i] = k.y, kz[i] = k.z;
@@ -134,12 +107,9 @@ struct Sharing {
   std::vector<SecondVertex<N>> found;
   /// For sorting them: by sample, where its own end; and their indices in `seconds`.
   std::vector<std::uint32_t> ends, order;
-  std::vector<Arrival<N>> arrivals;
   /// Of the block at hand.
   BlockMeetings<N> block;
   std::vector<SecondLanes> lanes;
-  /// Of the second vertex at hand.
-  std::vector<Counted<N>> counted;
 
   bool on() const { return !blocks.empty(); }
   void clear() {
@@ -147,7 +117,6 @@ struct Sharing {
     sequences.clear();
     firsts.clear();
     seconds.clear();
-    arrivals.clear();
   }
 };
 

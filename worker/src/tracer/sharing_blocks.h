@@ -1,6 +1,6 @@
-// Pixels whose photons share what they find (docs/decisions/0061): squares of 2 x 2 or 4 x 4, cut
-// off at the tile's edge. The grid is shifted from run to run of samples, so that no pattern of
-// squares stays in the image.
+// Pixels whose photons share what they find (docs/decisions/0061): squares of 4 x 4, cut off at the
+// tile's edge. The grid is shifted from run to run of samples, so that no pattern of squares stays
+// in the image.
 #pragma once
 
 #include <algorithm>
@@ -27,24 +27,24 @@ constexpr SharingRun sharing_run(std::uint32_t sample) {
   return {index, first, 2 * first};
 }
 
-/// Pixels in a block.
-inline constexpr std::uint32_t kMaxSharing = 16;
+/// Pixels in a block: along an edge and in all.
+inline constexpr std::uint32_t kSharingSide = 4, kSharingPixels = kSharingSide * kSharingSide;
 
 /// Which point of its block's sequence a pixel has for a sample: those of a pixel's run are a net,
 /// and those of the block's, too. `place` is the pixel's in its block.
 constexpr std::uint32_t number_in_block(std::uint32_t sample, std::uint32_t place) {
   const SharingRun run = sharing_run(sample);
-  return run.first * kMaxSharing + place * (run.end - run.first) + sample - run.first;
+  return run.first * kSharingPixels + place * (run.end - run.first) + sample - run.first;
 }
 
-/// How far the grid is shifted in a run of samples, each way below `side`, a power of 2. All shifts
+/// How far the grid is shifted in a run of samples, each way below the side. All shifts
 /// have their turn, and those of four runs are far apart.
 struct SharingShift {
   std::uint32_t x, y;
 };
-constexpr SharingShift sharing_shift(std::uint32_t run, std::uint32_t side) {
+constexpr SharingShift sharing_shift(std::uint32_t run) {
   std::uint32_t x = 0, y = 0;
-  for (std::uint32_t size = side, bits = run; size > 1; size /= 2, bits /= 4) {
+  for (std::uint32_t size = kSharingSide, bits = run; size > 1; size /= 2, bits /= 4) {
     const std::uint32_t low = bits & 1u, high = (bits >> 1) & 1u;
     x += (low ^ high) * (size / 2);
     y += low * (size / 2);
@@ -57,14 +57,14 @@ using SharingBlock = TileRange;
 
 /// f(block) for each block of a tile in each run of its samples, in the order of the runs.
 template <class F>
-void for_each_sharing_block(const TileRange& range, std::uint32_t side, const F& f) {
+void for_each_sharing_block(const TileRange& range, const F& f) {
   for (std::uint32_t first = range.first_sample; first < range.end_sample;) {
     const SharingRun run = sharing_run(first);
     const std::uint32_t end = std::min(range.end_sample, run.end);
-    const SharingShift shift = sharing_shift(run.index, side);
-    const auto cut = [side](std::uint32_t size, std::uint32_t shift_by, const auto& piece) {
-      for (std::uint32_t begin = 0, next = shift_by == 0 ? side : shift_by; begin < size;
-           begin = next, next += side) {
+    const SharingShift shift = sharing_shift(run.index);
+    const auto cut = [](std::uint32_t size, std::uint32_t shift_by, const auto& piece) {
+      for (std::uint32_t begin = 0, next = shift_by == 0 ? kSharingSide : shift_by; begin < size;
+           begin = next, next += kSharingSide) {
         piece(begin, std::min(next, size) - begin);
       }
     };

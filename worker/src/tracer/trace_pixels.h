@@ -26,8 +26,7 @@ void for_each_sample(const TileRange& range, std::uint32_t sharing, const Begin&
     }
     return;
   }
-  const std::uint32_t side = sharing == 4 ? 2 : 4;
-  for_each_sharing_block(range, side, [&](const SharingBlock& block) {
+  for_each_sharing_block(range, [&](const SharingBlock& block) {
     for (std::uint32_t sample = block.first_sample; sample < block.end_sample; ++sample) {
       begin(block.width * block.height);
       for (std::uint32_t y = block.y; y < block.y + block.height; ++y) {

@@ -111,7 +111,6 @@ void draw_from_kernel(Batch& batch, Group<N>& group, const Vertex<N>& vertex, co
       return;
     }
     if (on.shares) on.sequence = batch.sharing.sequences[on.sample];
-    on.tally = tally_from(batch, group, draw.wi);
     const Evaluation<N> there = evaluate<N>(kernel, vertex.wo, draw.wi);
     const Spectral<N> pdf = survival * there.pdf;
     on.weight *= ratio(there.value, pdf);

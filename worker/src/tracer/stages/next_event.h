@@ -43,7 +43,6 @@ void estimate_next_event(Batch& batch, const Group<N>& group, const Vertex<N>& v
   go_on(batch, group, vertex, wi, false, [&](Group<N>& photon) {
     photon.sequence = sequence;
     photon.shares = false;
-    photon.tally = tally_from(batch, group, wi);
     const Evaluation<N> there = evaluate<N>(kernel, vertex.wo, wi);
     photon.weight *= there.value;
     photon.mis = {MisTechnique::kLights, light->from, drawn.direction,
@@ -84,7 +83,7 @@ void ask_for_light(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
   shadow.way.ray.direction = light.direction;
   shadow.way.time = sample.time;
   shadow.way.end = light.free_distance;
-  shadow.tally = tally_from(batch, group, wi);
+  shadow.tally = group.tally;
   shadow.light = found;
   shadow.direct = meets_direct_light(group);
 }

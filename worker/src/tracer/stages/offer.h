@@ -4,6 +4,7 @@
 
 #include <type_traits>
 
+#include "kernels/diffuse_transmitter.h"
 #include "kernels/lambertian.h"
 #include "tracer/stages/leave.h"
 
@@ -30,44 +31,26 @@ bool offer_first(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const K
   return true;
 }
 
+/// Of a bound kernel whose value is the same for every wo on one side: what a second vertex sends
+/// to its own first vertex, it sends to all that see it from there.
+template <class Kernel, int N>
+inline constexpr bool kSendsAlike = std::is_same_v<Kernel, BoundLambertian<N>> ||
+                                    std::is_same_v<Kernel, BoundDiffuseTransmitter<N>>;
+
 /// From here on the group counts apart, as of weight 1.
 template <class Batch, int N, class Kernel>
-void offer_second(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel) {
-  if constexpr (HasDiffusePart<Kernel, N>) {
+void offer_second(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const Kernel&) {
+  if constexpr (kSendsAlike<Kernel, N>) {
     if (!may_share_at(batch, group, vertex) || vertex.own_normal) return;
-    constexpr bool kLambertian = std::is_same_v<Kernel, BoundLambertian<N>>;
-    if constexpr (!kLambertian) {
-      // Which direction of photons brings what is mirrored is told by more than this vertex.
-      if (batch.both && batch.scene.specular_like[vertex.kernel]) return;
-      if (!(largest(kernel.diffuse_value(vertex.wo, {0.0f, 0.0f, 1.0f})) > 0.0f)) return;
-      group.second = static_cast<std::uint32_t>(batch.sharing.seconds.size());
-    }
     const std::uint32_t tally = batch.estimator.add_tally();
     batch.sharing.seconds.push_back({.sample = group.sample,
                                      .tally = tally,
                                      .weight = group.weight,
                                      .hit = vertex.hit,
                                      .normal = vertex.normal,
-                                     .frame = vertex.frame,
-                                     .lambertian = kLambertian,
-                                     .wo = vertex.wo,
-                                     .kernel = vertex.kernel,
-                                     .shading = vertex.shading});
+                                     .frame_normal = vertex.frame.normal});
     group.weight = only(Spectral<N>(1.0f), alive(group.weight));
     group.tally = tally;
-  }
-}
-
-/// Where what comes to a group from `wi` is counted.
-template <class Batch, int N>
-std::uint32_t tally_from(Batch& batch, const Group<N>& group, Vec3 wi) {
-  if (!Batch::kAdjoint || group.second == Group<N>::kNone) return group.tally;
-  if constexpr (Batch::kAdjoint) {
-    SecondVertex<N>& second = batch.sharing.seconds[group.second];
-    const std::uint32_t tally = batch.estimator.add_tally();
-    batch.sharing.arrivals.push_back({wi, tally, second.arrivals});
-    second.arrivals = static_cast<std::uint32_t>(batch.sharing.arrivals.size() - 1);
-    return tally;
   }
 }
 

@@ -70,7 +70,6 @@ void prepare(Batch& batch, Chunk<N, Bound>& chunk) {
     if (Batch::kAdjoint && scatters) vertex.learned = learned_at(batch, group, vertex);
     chunk.two_photons[i] = second && scatters && may_see_lights(batch, group, vertex);
     if constexpr (Batch::kAdjoint) {
-      group.second = Group<N>::kNone;
       if (group.shares) offer_second(batch, group, vertex, kernel);
       group.shares = false;
     }

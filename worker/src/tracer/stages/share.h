@@ -134,7 +134,7 @@ void keep_free(Batch<N, Estimator, Media>& batch, float time,
   });
 }
 
-/// What a meeting's first vertex has of the light that its second one sends to all sides alike.
+/// What a meeting's first vertex has of the light that its second one sends.
 template <int N>
 Spectral<N> factor_of(const Meeting<N>& meeting, const SecondVertex<N>& second,
                       const Spectral<N>& all) {
@@ -148,43 +148,6 @@ Spectral<N> factor_of(const Meeting<N>& meeting, const SecondVertex<N>& second,
         return (own ? carried * mine : value) / sum;
       },
       second.weight, meeting.value, meeting.density, all);
-}
-
-/// By which anything came.
-template <int N, class Estimator, bool Media, class F>
-void for_each_arrival(const Batch<N, Estimator, Media>& batch, const SecondVertex<N>& second,
-                      const F& f) {
-  for (std::uint32_t i = second.arrivals; i != Arrival<N>::kNone;) {
-    const Arrival<N>& arrival = batch.sharing.arrivals[i];
-    if (batch.estimator.found(arrival.tally)) f(arrival);
-    i = arrival.next;
-  }
-}
-
-/// Of a second vertex whose kernel is not Lambert's: the diffuse part of each arrival goes to all
-/// who met it, the rest to its own sample.
-template <int N, class Estimator, bool Media, class Kernel>
-void take_arrivals(Batch<N, Estimator, Media>& batch, std::span<const Meeting<N>> meetings,
-                   const SecondVertex<N>& second, const Kernel& kernel, const Spectral<N>& all) {
-  std::vector<Counted<N>>& counted = batch.sharing.counted;
-  counted.clear();
-  for_each_arrival(batch, second, [&](const Arrival<N>& arrival) {
-    const Spectral<N> value = kernel.value(second.wo, arrival.wi);
-    counted.push_back({arrival.wi, arrival.tally, ratio(Spectral<N>(1.0f), value)});
-    const Spectral<N> rest = value - kernel.diffuse_value(second.wo, arrival.wi);
-    batch.estimator.take(second.sample, arrival.tally, second.weight * ratio(rest, value));
-  });
-  for (const Meeting<N>& meeting : meetings) {
-    const Vec3 towards = batch.sharing.firsts[meeting.sample]->hit.position;
-    const Vec3 wo = meeting.sample == second.sample
-                        ? second.wo
-                        : second.frame.to_local(normalized(towards - second.hit.position));
-    const Spectral<N> factor = factor_of(meeting, second, all);
-    for (const Counted<N>& each : counted) {
-      batch.estimator.take(meeting.sample, each.tally,
-                           factor * kernel.diffuse_value(wo, each.wi) * each.inverse);
-    }
-  }
 }
 
 /// Of one block: its samples, and the second vertices of these that found something.
@@ -202,36 +165,19 @@ void share_block(Batch<N, Estimator, Media>& batch, std::uint32_t first_sample,
     while (count < left.size() && left[count].second == index) all += left[count++].density;
     const std::span<const Meeting<N>> meetings = left.first(count);
     left = left.subspan(count);
-    if (!second.lambertian) {
-      visit_bound<N>(batch.scene.kernels, second.kernel, second.shading,
-                     [&]<class Kernel>(const Kernel& kernel) {
-                       if constexpr (HasDiffusePart<Kernel, N>) {
-                         take_arrivals(batch, meetings, second, kernel, all);
-                       }
-                     });
-      continue;
-    }
     for (const Meeting<N>& meeting : meetings) {
       batch.estimator.take(meeting.sample, second.tally, factor_of(meeting, second, all));
     }
   }
 }
 
-/// Whether there is anything to share.
-template <int N, class Estimator, bool Media>
-bool found_anything(const Batch<N, Estimator, Media>& batch, const SecondVertex<N>& second) {
-  if (second.lambertian) return batch.estimator.found(second.tally);
-  bool any = false;
-  for_each_arrival(batch, second, [&](const Arrival<N>&) { any = true; });
-  return any;
-}
-
 /// Those from which anything was found, by sample, otherwise in the order in which they were met.
 template <int N, class Estimator, bool Media>
 void sort_seconds(Batch<N, Estimator, Media>& batch) {
   Sharing<N>& sharing = batch.sharing;
-  std::erase_if(sharing.seconds,
-                [&](const SecondVertex<N>& second) { return !found_anything(batch, second); });
+  std::erase_if(sharing.seconds, [&](const SecondVertex<N>& second) {
+    return !batch.estimator.found(second.tally);
+  });
   sharing.ends.assign(batch.samples.size(), 0);
   for (const SecondVertex<N>& second : sharing.seconds) ++sharing.ends[second.sample];
   std::exclusive_scan(sharing.ends.begin(), sharing.ends.end(), sharing.ends.begin(), 0u);
@@ -248,9 +194,6 @@ void sort_seconds(Batch<N, Estimator, Media>& batch) {
 template <int N, class Estimator, bool Media>
 void share(Batch<N, Estimator, Media>& batch) {
   Sharing<N>& sharing = batch.sharing;
-  for (const SecondVertex<N>& second : sharing.seconds) {
-    if (!second.lambertian) batch.estimator.take(second.sample, second.tally, second.weight);
-  }
   sort_seconds(batch);
   std::size_t second = 0;
   for (std::size_t block = 0; block < sharing.blocks.size(); ++block) {
