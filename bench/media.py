@@ -13,6 +13,7 @@ import statistics
 import sys
 import tempfile
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,7 @@ from nocturne_client.local.programs import CHECKOUT
 
 from bench.chart import Line, write_chart
 from bench.errors import true_relmse
-from bench.programs import Traced, trace
+from bench.programs import BASELINE, Traced, bench_program, trace
 from bench.programs import run as run_program
 from bench.report import Figures, Row, results_folder, significant
 from bench.scenes import Document, compile_film
@@ -164,7 +165,12 @@ def _by_chance(document: Document, place: Path, size: _Size, samples: int) -> Tr
 
 def _march(document: Document, place: Path, size: _Size, steps: int, samples: int) -> Traced:
     compiled = _once(document, place / f"march {steps} {samples}", size, samples)
-    return trace(compiled, threads=1, options=["--method", "march", "--steps", steps])
+    return _marched(compiled, steps)
+
+
+def _marched(compiled: CompiledFolder, steps: int) -> Traced:
+    options = ["--method", "march", "--steps", steps]
+    return trace(compiled, threads=1, options=options, program=bench_program(BASELINE))
 
 
 def _once(document: Document, folder: Path, size: _Size, samples: int) -> CompiledFolder:
@@ -185,10 +191,10 @@ def _denser(place: Path, size: _Size) -> dict[str, dict[str, float]]:
     for factor in size.densities:
         document = _document("smoke")
         document["media"]["smoke"]["density"]["factor"] = factor
-        march = ["--method", "march", "--steps", 8 * factor]
-        for who, samples, options in (("photons", size.samples, []), ("marching", 4, march)):
+        by_chance, marched = partial(trace, threads=1), partial(_marched, steps=8 * factor)
+        for who, samples, traced in (("photons", size.samples, by_chance), ("marching", 4, marched)):
             compiled = _once(document, place / f"{factor} {who}", size, samples)
-            runs = [trace(compiled, threads=1, options=options) for _ in range(size.rounds)]
+            runs = [traced(compiled) for _ in range(size.rounds)]
             least = min(each.tracing_cpu_s for each in runs)
             found[who][str(factor)] = significant(1e9 * least / (samples * size.width * size.height))
     return found

@@ -20,6 +20,9 @@ from nocturne_client.local.programs import CHECKOUT, need_program
 
 Channel = npt.NDArray[np.float64]
 
+BASELINE = "nocturne-baseline"
+"""Traces by `--method path` or `--method march`, for comparison."""
+
 
 @dataclass(frozen=True)
 class Traced:

@@ -48,8 +48,8 @@ class Way:
     about: str
     tracing: dict[str, Any] = field(default_factory=dict)
     sensor: dict[str, Any] = field(default_factory=dict)
-    options: tuple[str, ...] = ()
-    """Of nocturne-trace."""
+    baseline: tuple[str, ...] = ()
+    """Options of nocturne-baseline, where that traces."""
     applies: Callable[[Document], bool] = _always
     samples: float = 1.0
     """Factor of a number of samples, so that methods take about the same time."""
@@ -90,6 +90,6 @@ WAYS = (
     ),
     Way("uniform", "the default with wavelengths drawn uniformly", sensor={"wavelengths": "uniform"}),
     Way("independent", "the default with independent random numbers", {"sequence": "independent"}),
-    Way("path", "baseline: path tracing", options=("--method", "path"), applies=_no_media, samples=0.125),
-    Way("march", "baseline: ray marching, 64 steps", options=("--method", "march"), applies=_only_media),
+    Way("path", "baseline: path tracing", baseline=("--method", "path"), applies=_no_media, samples=0.125),
+    Way("march", "baseline: ray marching, 64 steps", baseline=("--method", "march"), applies=_only_media),
 )

@@ -19,7 +19,7 @@ from nocturne_scene.formats.mitsuba.read.units import CANDELAS_PER_UNIT
 from nocturne_scene.scene_ranges import schedule_of
 
 from bench.peer.install import Installed
-from bench.programs import Channel, Traced, trace
+from bench.programs import BASELINE, Channel, Traced, bench_program, trace
 
 SAMPLERS = ("multijitter", "independent")
 """The first serves it best."""
@@ -56,16 +56,16 @@ class FilmSize:
 
 
 class Ours:
-    """nocturne-trace."""
+    """nocturne-trace, or nocturne-baseline."""
 
     def __init__(
-        self, compiled: CompiledFolder, film: FilmSize, threads: int, options: Sequence[object] = ()
+        self, compiled: CompiledFolder, film: FilmSize, threads: int, baseline: Sequence[object] = ()
     ) -> None:
-        """With further options of nocturne-trace."""
+        """`baseline`: options of nocturne-baseline, where that is to trace."""
         self._compiled = compiled
         self._film = film
         self._threads = threads
-        self._options = options
+        self._baseline = baseline
         self._scene = scene_pb2.CompiledScene.FromString(compiled.scene.read_bytes())
 
     def frame(self, samples: int, seed: int) -> Frame:
@@ -81,7 +81,9 @@ class Ours:
         used.scene.write_bytes(self._scene.SerializeToString(deterministic=True))
         schedule = schedule_of(self._scene, self._film.width, self._film.height, samples)
         used.schedule.write_bytes(schedule.SerializeToString(deterministic=True))
-        return trace(used, self._threads, self._options)
+        if not self._baseline:
+            return trace(used, self._threads)
+        return trace(used, self._threads, self._baseline, bench_program(BASELINE))
 
 
 class Mitsuba:

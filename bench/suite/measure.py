@@ -140,7 +140,7 @@ def _ours(
     """Compiled for a render of so many samples, and what a pilot chose for that."""
     film, into = scene.film, place / way.name
     compiled = compile_film(way.document(document), place, film.width, film.height, samples, into)
-    ours = Ours(compiled, scene.film, THREADS, way.options)
+    ours = Ours(compiled, scene.film, THREADS, way.baseline)
     enough = 0.3 * max(size.budgets_cpu_s)
     return _Runner(ours, enough / samples_for(ours, enough)), compiled.way
 

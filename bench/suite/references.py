@@ -44,8 +44,8 @@ def make(name: str, scene: SuiteScene, folder: Path, cpu_s: float) -> None:
     one."""
     document = scene.document(folder)
     reference = _long(scene, document, scene.reference, folder / "reference", cpu_s, _SEED, ())
-    options = () if scene.check is not None else ("--method", "path")
-    check = _long(scene, document, scene.check or {}, folder / "check", cpu_s / 4, _CHECK_SEED, options)
+    baseline = () if scene.check is not None else ("--method", "path")
+    check = _long(scene, document, scene.check or {}, folder / "check", cpu_s / 4, _CHECK_SEED, baseline)
     found = agreement(reference, check)
     print(f"bench: reference of {name}: {found}", file=sys.stderr)
     path = _path(name)
@@ -90,11 +90,11 @@ def _long(
     folder: Path,
     cpu_s: float,
     seed: int,
-    options: tuple[str, ...],
+    baseline: tuple[str, ...],
 ) -> Reference:
     changed = {**document, "tracing": {**document.get("tracing", {}), **tracing}}
     compiled = compile_film(changed, folder.parent, scene.film.width, scene.film.height, 1, folder)
-    ours = Ours(compiled, scene.film, THREADS, options)
+    ours = Ours(compiled, scene.film, THREADS, baseline)
     # Where Sobol points are at their best.
     samples = 2 ** round(math.log2(samples_for(ours, cpu_s / _PARTS)))
     found = Reference.of([ours.frame(samples, seed + part).y for part in range(_PARTS)])

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from nocturne_client.local.compiled import CompiledFolder, compile_to
-from nocturne_client.local.programs import need_program
+from nocturne_client.local.programs import CHECKOUT, need_program
 
 from tests.system.images import Image
 
@@ -48,8 +48,12 @@ def write(document: Document, folder: Path) -> Path:
 
 
 def run(compiled: CompiledFolder, folder: Path, method: Method = "adjoint") -> tuple[Image, dict[str, Any]]:
-    """Traces into `folder`; the image, and what nocturne-trace counted: no photon was invalid_samples."""
-    _trace(compiled, folder, "image.exr", "--method", method)
+    """Traces into `folder`; the image, and what the program counted: no photon was invalid_samples."""
+    if method == "path":
+        program = CHECKOUT / "build" / "release" / "bench" / "nocturne-baseline"
+        _trace(compiled, folder, "image.exr", "--method", "path", program=program)
+    else:
+        _trace(compiled, folder, "image.exr")
     return _result(folder, "image.exr")
 
 
@@ -59,9 +63,17 @@ def run_seeds(compiled: CompiledFolder, folder: Path, seeds: int) -> list[tuple[
     return [_result(folder, f"{seed}.exr") for seed in range(1, seeds + 1)]
 
 
-def _trace(compiled: CompiledFolder, folder: Path, image: str, *options: str) -> None:
+def _trace(
+    compiled: CompiledFolder, folder: Path, image: str, *options: str, program: Path | None = None
+) -> None:
     output = folder / image
-    command: list[str | Path] = [need_program("nocturne-trace"), compiled.scene, "-o", output, "--quiet"]
+    command: list[str | Path] = [
+        program or need_program("nocturne-trace"),
+        compiled.scene,
+        "-o",
+        output,
+        "--quiet",
+    ]
     command += ["--schedule", compiled.schedule, "--blobs", compiled.blobs, *options]
     subprocess.run([*command, "--statistics", output.with_suffix(".json")], check=True)
 

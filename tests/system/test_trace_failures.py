@@ -4,29 +4,28 @@ import subprocess
 from pathlib import Path
 
 import pytest
+from nocturne.v1 import job_pb2
 from nocturne_client.local.compiled import compile_to
 from nocturne_client.local.programs import need_program
 
-from tests.accuracy.scenes import furnace
+from tests.accuracy import both_directions
 from tests.accuracy.tracing import write
 
 pytestmark = pytest.mark.system
 
 
 def test_what_a_thread_throws_is_said(tmp_path: Path) -> None:
-    """The path tracer knows no media, and says so when the first tile is traced."""
-    document = furnace(0.5, 1.0) | {"media": {"fog": {"scattering": 1.0}}}
-    document["surfaces"].append(
-        {
-            "shape": {"type": "sphere", "centre": [0.5, 0.5, 0.5], "radius": 0.1},
-            "interior": {"media": ["fog"]},
-        }
-    )
+    """Forward photons of a meter fall on any pixel: tiles that are less than the film refuse them, each by a
+    thread."""
+    document = both_directions.SCENES["plain"].document | {"tracing": {"direction": "forward"}}
     compiled = compile_to(write(document, tmp_path), tmp_path, 64, 64, 4)
+    schedule = job_pb2.RangeSchedule.FromString(compiled.schedule.read_bytes())
+    schedule.tile_size = 16
+    compiled.schedule.write_bytes(schedule.SerializeToString())
     output = tmp_path / "image.exr"
     command = [need_program("nocturne-trace"), compiled.scene, "--schedule", compiled.schedule]
-    command += ["--blobs", compiled.blobs, "-o", output, "--quiet", "--method", "path", "--threads", "4"]
+    command += ["--blobs", compiled.blobs, "-o", output, "--quiet", "--threads", "4"]
     done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
     assert done.returncode == 2
-    assert done.stderr == "nocturne-trace: the path tracer knows no media\n"
+    assert done.stderr == "nocturne-trace: a tile with forward photons that is not the whole film\n"
     assert not output.exists()

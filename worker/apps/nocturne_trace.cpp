@@ -37,7 +37,6 @@ namespace {
 
 struct Options {
   std::string scene, schedule, job, blobs, output, statistics, sums;
-  Method method = Method::kAdjointPhotons;
   unsigned threads = std::thread::hardware_concurrency();
   std::uint64_t texture_bytes = kTextureMemoryBytes;
   unsigned seeds = 0;
@@ -82,17 +81,6 @@ std::string schedule_json(const v1::RangeSchedule& schedule) {
          ",\"height\":" + std::to_string(schedule.height()) +
          ",\"tileSize\":" + std::to_string(schedule.tile_size()) +
          ",\"rangeEnds\":" + joined(schedule.range_ends()) + responses + "}";
-}
-
-void write_statistics(const std::string& path, const TileSums& image, double cpu_seconds,
-                      double wall_seconds) {
-  std::ofstream file(path);
-  file.precision(17);
-  file << "{\"photons\": " << image.photons << ", \"rays\": " << image.rays
-       << ", \"invalid_samples\": " << image.invalid_samples
-       << ", \"truncated_paths\": " << image.truncated_paths << ", \"cpu_seconds\": " << cpu_seconds
-       << ", \"wall_seconds\": " << wall_seconds << "}\n";
-  finish(file, path);
 }
 
 // Progress as lines "12.5 %" that end in a carriage return: a person sees one line, a program can
@@ -188,9 +176,8 @@ void run_film(const Options& options, const v1::CompiledScene& message,
   const auto progress = progress_on_stderr(options.quiet);
   const auto [image, samples] =
       options.sums.empty()
-          ? std::pair{trace_film(*scene, plan, options.method, options.threads, progress),
-                      plan.range_ends.back()}
-          : trace_film_by_ranges(*scene, plan, options.method, options.threads, progress,
+          ? std::pair{trace_film(*scene, plan, options.threads, progress), plan.range_ends.back()}
+          : trace_film_by_ranges(*scene, plan, options.threads, progress,
                                  asked_on_stdin(options.sums));
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - wall_before;
   const double cpu = process_cpu_seconds() - cpu_before;
@@ -340,14 +327,6 @@ int run_command(std::vector<std::string> words) {
       "After each range of samples, write the sums so far to this file as float64, their "
       "number of samples to standard output, and go on only if a line \"go\" comes on "
       "standard input");
-  app.add_option("--method", options.method.kind,
-                 "adjoint; or, for comparison only, path (path tracing) or march (ray marching)")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, Method::Kind>{{"adjoint", Method::kAdjointPhotons},
-                                              {"path", Method::kPathTracing},
-                                              {"march", Method::kRayMarching}}));
-  app.add_option("--steps", options.method.steps, "Steps of a ray marcher (default 64)")
-      ->check(CLI::Range(1, 1'000'000));
   app.add_option("--seeds", options.seeds,
                  "This many images by seeds 1, 2, ... instead of the scene's; {seed} in the names "
                  "of --output and --statistics stands for the seed")

@@ -41,6 +41,17 @@ void finish(std::ofstream& file, const std::string& path) {
   if (!file.flush()) throw std::runtime_error(path + ": can't be written");
 }
 
+void write_statistics(const std::string& path, const TileSums& image, double cpu_seconds,
+                      double wall_seconds) {
+  std::ofstream file(path);
+  file.precision(17);
+  file << "{\"photons\": " << image.photons << ", \"rays\": " << image.rays
+       << ", \"invalid_samples\": " << image.invalid_samples
+       << ", \"truncated_paths\": " << image.truncated_paths << ", \"cpu_seconds\": " << cpu_seconds
+       << ", \"wall_seconds\": " << wall_seconds << "}\n";
+  finish(file, path);
+}
+
 double process_cpu_seconds() {
   timespec t{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);

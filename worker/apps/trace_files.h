@@ -30,6 +30,10 @@ FindBlob blobs_in(const std::string& folder);
 /// All of it must have been written.
 void finish(std::ofstream& file, const std::string& path);
 
+/// Counts and times, as JSON.
+void write_statistics(const std::string& path, const TileSums& image, double cpu_seconds,
+                      double wall_seconds);
+
 /// Of this process so far, all threads.
 double process_cpu_seconds();
 

@@ -18,7 +18,7 @@ TileSums trace_job(const Scene& scene, const v1::Job& job, const std::stop_token
                         .height = tile.height(),
                         .first_sample = job.first_sample(),
                         .end_sample = job.end_sample()};
-  return trace_tile(scene, film, range, Method::kAdjointPhotons, kBatchGroups, stop);
+  return trace_tile(scene, film, range, kBatchGroups, stop);
 }
 
 }  // namespace nocturne

@@ -38,7 +38,7 @@ TEST(Bits, SizeOfBatchesDoesNotMatter) {
   const auto scene = room();
   const TileRange range{8, 4, 16, 16, 4, 12};
   const auto traced = [&](std::uint32_t groups) {
-    const TileSums tile = trace_tile(*scene, kFilm, range, Method::kAdjointPhotons, groups);
+    const TileSums tile = trace_tile(*scene, kFilm, range, groups);
     return std::pair{tile.sums, tile.block_products};
   };
   const auto sums = traced(2048);
@@ -57,8 +57,7 @@ TEST(Bits, SizeOfBatchesDoesNotMatterToForwardPhotonsInFog) {
   builder.add_matched_box({-1.5f, -0.9f, -1.5f}, {1.5f, 2.5f, 1.5f}, {fog});
   const auto scene = builder.load();
   const auto traced = [&](std::uint32_t groups) {
-    return trace_tile(*scene, {16, 16}, {0, 0, 16, 16, 0, 32}, Method::kAdjointPhotons, groups)
-        .sums;
+    return trace_tile(*scene, {16, 16}, {0, 0, 16, 16, 0, 32}, groups).sums;
   };
   const auto sums = traced(2048);
   EXPECT_EQ(traced(256), sums);
@@ -70,11 +69,10 @@ TEST(Bits, NumberOfThreadsDoesNotMatter) {
   const std::vector<std::uint32_t> ends{4, 8, 16, 20};
   const auto trace = [&](unsigned threads) {
     double last = 0.0;
-    TileSums image =
-        trace_film(*scene, {kFilm, 16, ends}, Method::kAdjointPhotons, threads, [&](double share) {
-          EXPECT_GT(share, last);
-          last = share;
-        });
+    TileSums image = trace_film(*scene, {kFilm, 16, ends}, threads, [&](double share) {
+      EXPECT_GT(share, last);
+      last = share;
+    });
     EXPECT_DOUBLE_EQ(last, 1.0);
     return image;
   };

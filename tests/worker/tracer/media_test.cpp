@@ -8,6 +8,7 @@
 #include <functional>
 #include <string>
 
+#include "baselines/trace_tile.h"
 #include "digest/sha256.h"
 #include "media/grid_bytes.h"
 #include "support/effort.h"
@@ -36,8 +37,7 @@ class Media : public testing::TestWithParam<Variant> {
     tracing.set_group(GetParam().group);
     tracing.set_maximum_depth(0);
     const std::uint32_t edge = test::film_edge(16);
-    return trace_tile(*builder.load(), {edge, edge}, {0, 0, edge, edge, 0, samples},
-                      Method::kAdjointPhotons);
+    return trace_tile(*builder.load(), {edge, edge}, {0, 0, edge, edge, 0, samples});
   }
 
   // Around everything; its radiance comes from all sides.
@@ -181,7 +181,7 @@ TEST(RayMarching, AgreesOnSingleScattering) {
   const TileRange range{0, 0, 16, 16, 0, 256}, few{0, 0, 16, 16, 0, 4};
   const auto by_chance = test::estimate_mean(trace_tile(*scene, {16, 16}, range), 256);
   const auto marched =
-      test::estimate_mean(trace_tile(*scene, {16, 16}, few, {Method::kRayMarching, 150}), 4);
+      test::estimate_mean(baselines::trace_tile_by_marching(*scene, {16, 16}, few, 150), 4);
   EXPECT_GT(marched.y, 0.0);
   EXPECT_NEAR(
       by_chance.y, marched.y,
@@ -218,7 +218,7 @@ class GridMedia : public testing::Test {
     tracing.set_estimator(v1::ESTIMATOR_TWO_PHOTONS);
     tracing.set_group(4);
     tracing.set_maximum_depth(0);
-    return trace_tile(*builder.load(), {16, 16}, {0, 0, 16, 16, 0, 256}, Method::kAdjointPhotons);
+    return trace_tile(*builder.load(), {16, 16}, {0, 0, 16, 16, 0, 256});
   }
 };
 
@@ -285,8 +285,7 @@ TEST(MediaAndDielectrics, HigherPriorityIsThere) {
     builder.message.mutable_interiors(0)->set_priority(priority);
     builder.add_glass_box({-5, -5, -0.5f}, {5, 5, 0.5f}, 1.0f);
     builder.message.mutable_tracing()->set_estimator(v1::ESTIMATOR_TWO_PHOTONS);
-    const auto tile =
-        trace_tile(*builder.load(), {16, 16}, {0, 0, 16, 16, 0, 256}, Method::kAdjointPhotons);
+    const auto tile = trace_tile(*builder.load(), {16, 16}, {0, 0, 16, 16, 0, 256});
     SCOPED_TRACE(priority);
     expect_all_pixels(tile, 256, kResponseIntegral * std::exp(priority == 0 ? -1.0 : -2.0));
   }

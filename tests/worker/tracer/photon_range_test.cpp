@@ -22,8 +22,7 @@ std::shared_ptr<const Scene> caustic(std::uint64_t seed = 0) {
 
 TileSums film_of(const Scene& scene, unsigned threads, const std::vector<std::uint32_t>& samples,
                  const std::vector<std::uint32_t>& bundles) {
-  return trace_film(scene, {kFilm, kTile, samples, bundles}, Method::kAdjointPhotons, threads,
-                    [](double) {});
+  return trace_film(scene, {kFilm, kTile, samples, bundles}, threads, [](double) {});
 }
 
 /// Mean Y of the pixels of a tile together, and its variance if pixels know nothing of each other.
@@ -58,7 +57,7 @@ TEST(PhotonRanges, GoAlongWithRangesOfTilesWhereSomebodyIsAsked) {
   const auto scene = caustic();
   const std::vector<std::uint32_t> samples{4, 8}, bundles{1, 2};
   const auto [whole, end] = trace_film_by_ranges(
-      *scene, {kFilm, kTile, samples, bundles}, Method::kAdjointPhotons, 2, [](double) {},
+      *scene, {kFilm, kTile, samples, bundles}, 2, [](double) {},
       [&](std::uint32_t asked, const TileSums& film) {
         EXPECT_EQ(asked, 4u);
         EXPECT_EQ(film.photons, 4 * kPixels + kPhotonBundle);

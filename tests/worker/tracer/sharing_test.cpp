@@ -94,8 +94,7 @@ TEST(Sharing, BitsDoNotDependOnBatchesAndThreads) {
   constexpr Film kFilm{40, 24};
   const auto scene = room(16);
   const auto traced = [&](std::uint32_t groups) {
-    const TileSums tile =
-        trace_tile(*scene, kFilm, {8, 4, 18, 15, 4, 40}, Method::kAdjointPhotons, groups);
+    const TileSums tile = trace_tile(*scene, kFilm, {8, 4, 18, 15, 4, 40}, groups);
     return std::tuple{tile.sums, tile.block_products, tile.rays};
   };
   const auto sums = traced(2048);
@@ -104,7 +103,7 @@ TEST(Sharing, BitsDoNotDependOnBatchesAndThreads) {
 
   const std::vector<std::uint32_t> ends{4, 20};
   const auto film = [&](unsigned threads) {
-    return trace_film(*scene, {kFilm, 16, ends}, Method::kAdjointPhotons, threads, [](double) {});
+    return trace_film(*scene, {kFilm, 16, ends}, threads, [](double) {});
   };
   EXPECT_EQ(film(1).sums, film(3).sums);
 }

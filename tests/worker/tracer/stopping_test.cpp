@@ -39,9 +39,9 @@ TEST(Stopping, TracingEndsSoonAfterItIsAsked) {
     asked = Clock::now();
     source.request_stop();
   });
-  EXPECT_THROW(trace_tile(*scene, {32, 32}, {0, 0, 32, 32, 0, 4096}, Method::kAdjointPhotons,
-                          kBatchGroups, source.get_token()),
-               TracingStopped);
+  EXPECT_THROW(
+      trace_tile(*scene, {32, 32}, {0, 0, 32, 32, 0, 4096}, kBatchGroups, source.get_token()),
+      TracingStopped);
   const auto ended = Clock::now();
   asks.join();
   EXPECT_LT(ended - asked, milliseconds(500));

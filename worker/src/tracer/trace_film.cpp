@@ -19,20 +19,6 @@ void add_rows(const std::vector<double>& from, std::size_t row, std::vector<doub
   }
 }
 
-void add_tile(const TileSums& tile, const TileRange& where, std::size_t index, TileSums& image) {
-  add_rows(tile.sums, tile.channels * tile.width, image.sums, image.channels * image.width,
-           image.channels * (std::size_t{where.y} * image.width + where.x));
-  constexpr std::size_t kProducts = TileSums::kProducts;
-  const std::size_t columns = image.block_columns();
-  add_rows(tile.block_products, kProducts * tile.block_columns(), image.block_products,
-           kProducts * columns,
-           kProducts * (where.y / TileSums::kBlock * columns + where.x / TileSums::kBlock));
-  for (std::size_t i = 0; i < kProducts; ++i) {
-    image.tile_products[kProducts * index + i] += tile.tile_products[i];
-  }
-  image.add_counts(tile);
-}
-
 /// Some ranges one after the other, and where the first of them begins.
 struct Ranges {
   std::uint32_t first;
@@ -44,11 +30,10 @@ struct Ranges {
 /// A film's sums, to which ranges are added: of its tiles, and of forward photons.
 class GrowingFilm {
  public:
-  GrowingFilm(const Scene& scene, const FilmPlan& plan, Method method, unsigned threads,
+  GrowingFilm(const Scene& scene, const FilmPlan& plan, unsigned threads,
               const std::function<void(double)>& progress)
       : scene_(scene),
         plan_(plan),
-        method_(method),
         threads_(threads),
         progress_(progress),
         columns_(tiles_in(plan.film.width)),
@@ -108,7 +93,7 @@ class GrowingFilm {
     TileSums total(tile.width, tile.height, scene_.wavelengths.further_curves());
     for (const std::uint32_t end : samples.ends) {
       tile.end_sample = end;
-      total += trace_tile(scene_, plan_.film, tile, method_);
+      total += trace_tile(scene_, plan_.film, tile);
       report(std::uint64_t{tile.width} * tile.height * (end - tile.first_sample));
       tile.first_sample = end;
     }
@@ -144,7 +129,6 @@ class GrowingFilm {
 
   const Scene& scene_;
   const FilmPlan& plan_;
-  const Method method_;
   const unsigned threads_;
   const std::function<void(double)>& progress_;
   const std::uint32_t columns_, rows_;
@@ -170,19 +154,33 @@ Ranges photon_ranges_for(std::span<const std::uint32_t> ends, std::size_t first_
 
 }  // namespace
 
-TileSums trace_film(const Scene& scene, const FilmPlan& plan, Method method, unsigned threads,
+void add_tile(const TileSums& tile, const TileRange& where, std::size_t index, TileSums& film) {
+  add_rows(tile.sums, tile.channels * tile.width, film.sums, film.channels * film.width,
+           film.channels * (std::size_t{where.y} * film.width + where.x));
+  constexpr std::size_t kProducts = TileSums::kProducts;
+  const std::size_t columns = film.block_columns();
+  add_rows(tile.block_products, kProducts * tile.block_columns(), film.block_products,
+           kProducts * columns,
+           kProducts * (where.y / TileSums::kBlock * columns + where.x / TileSums::kBlock));
+  for (std::size_t i = 0; i < kProducts; ++i) {
+    film.tile_products[kProducts * index + i] += tile.tile_products[i];
+  }
+  film.add_counts(tile);
+}
+
+TileSums trace_film(const Scene& scene, const FilmPlan& plan, unsigned threads,
                     const std::function<void(double)>& progress) {
-  GrowingFilm film(scene, plan, method, threads, progress);
+  GrowingFilm film(scene, plan, threads, progress);
   const Ranges photons{0, plan.photon_ends};
   film.add({0, plan.range_ends}, photons);
   return std::move(film).sums(plan.range_ends.back(), photons.end());
 }
 
 std::pair<TileSums, std::uint32_t> trace_film_by_ranges(
-    const Scene& scene, const FilmPlan& plan, Method method, unsigned threads,
+    const Scene& scene, const FilmPlan& plan, unsigned threads,
     const std::function<void(double)>& progress,
     const std::function<bool(std::uint32_t, const TileSums&)>& go_on) {
-  GrowingFilm film(scene, plan, method, threads, progress);
+  GrowingFilm film(scene, plan, threads, progress);
   std::uint32_t first = 0, bundles = 0;
   std::size_t photon_ranges = 0;
   for (const std::uint32_t& end : plan.range_ends) {

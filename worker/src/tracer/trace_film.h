@@ -20,12 +20,15 @@ struct FilmPlan {
   std::span<const std::uint32_t> photon_ends = {};
 };
 
+/// Adds the sums of a tile, the `index`-th, to those of its film.
+void add_tile(const TileSums& tile, const TileRange& where, std::size_t index, TileSums& film);
+
 /// Sums of the film, row by row; photons, rays and invalid samples of all tiles. A tile's ranges
 /// are added up in sample order, and ranges of forward photons in theirs, so the bits don't depend
 /// on the number of threads; each thread may hold such a range, which is as large as the film.
 /// `progress` is told the share of photons traced, from any thread, one at a time. Throws what
 /// tracing a tile throws.
-TileSums trace_film(const Scene& scene, const FilmPlan& plan, Method method, unsigned threads,
+TileSums trace_film(const Scene& scene, const FilmPlan& plan, unsigned threads,
                     const std::function<void(double)>& progress);
 
 /// The same bits, one range of the whole film after the other: `go_on` is asked after each but the
@@ -33,7 +36,7 @@ TileSums trace_film(const Scene& scene, const FilmPlan& plan, Method method, uns
 /// false. Gives the samples that every pixel has, too. Forward photons go along, as many for each
 /// sample in the part as in the whole.
 std::pair<TileSums, std::uint32_t> trace_film_by_ranges(
-    const Scene& scene, const FilmPlan& plan, Method method, unsigned threads,
+    const Scene& scene, const FilmPlan& plan, unsigned threads,
     const std::function<void(double)>& progress,
     const std::function<bool(std::uint32_t, const TileSums&)>& go_on);
 

@@ -7,32 +7,12 @@
 
 namespace nocturne {
 
-/// How a photon's path is followed; everything around it is shared.
-struct Method {
-  enum Kind {
-    kAdjointPhotons,
-    /// Explicit direct light, for comparison only (tracer/baselines). Knows no media.
-    kPathTracing,
-    /// Through media step by step, for comparison only.
-    kRayMarching,
-  };
-  Kind kind = kAdjointPhotons;
-  /// Of a ray marcher, on each piece of a ray; at least 1.
-  std::uint32_t steps = 64;
-
-  // Not explicit: most methods have nothing more to say.
-  Method(Kind k) : kind(k) {}  // NOLINT(google-explicit-constructor)
-  Method(Kind k, std::uint32_t s) : kind(k), steps(s) {}
-};
-
 /// Sums over the range's samples in sample order: a pure function of its arguments, bit for bit,
 /// and the same for any size of batches. The range must lie in the film. With both directions, a
 /// tile that is less than the film has what its adjoint photons bring; see trace_photon_range.h for
-/// the rest. Throws
-/// std::invalid_argument where the method can't trace the scene, TracingStopped within milliseconds
-/// after a stop was requested.
+/// the rest. Throws std::invalid_argument for forward photons of less than the film, TracingStopped
+/// within milliseconds after a stop was requested.
 TileSums trace_tile(const Scene& scene, Film film, const TileRange& range,
-                    Method method = Method::kAdjointPhotons,
                     std::uint32_t batch_groups = kBatchGroups, const std::stop_token& stop = {});
 
 /// What photons from one side alone bring: with both directions each a part of all light. Those

@@ -1,4 +1,4 @@
-#include "tracer/baselines/path_tracer.h"
+#include "baselines/path_tracer.h"
 
 #include <algorithm>
 

@@ -4,8 +4,8 @@
 // their square; it is biased by the steps' length, and knows light that was scattered once.
 #pragma once
 
+#include "baselines/path_result.h"
 #include "scene/scene.h"
-#include "tracer/baselines/path_result.h"
 #include "tracer/group.h"
 
 namespace nocturne::baselines {

@@ -3,8 +3,8 @@
 // with the tracing loop, so that each can be held against the other.
 #pragma once
 
+#include "baselines/path_result.h"
 #include "scene/scene.h"
-#include "tracer/baselines/path_result.h"
 #include "tracer/group.h"
 
 namespace nocturne::baselines {

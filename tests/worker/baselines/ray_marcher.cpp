@@ -1,4 +1,4 @@
-#include "tracer/baselines/ray_marcher.h"
+#include "baselines/ray_marcher.h"
 
 #include <utility>
 
