@@ -63,6 +63,12 @@ struct Start {
 template <int N>
 struct Group {
   explicit Group(const PhotonSequence& numbers) : sequence(numbers) {}
+  Group(const Start<N>& from, const PhotonSequence& numbers)
+      : ray(from.ray),
+        departure(from.departure),
+        width(from.width),
+        inside(from.inside),
+        sequence(numbers) {}
 
   Ray ray;
   /// Where that starts exactly, near surfaces that are close together.

@@ -5,17 +5,14 @@
 
 #include "spectrum/srgb.h"
 #include "tracer/by_threads.h"
+#include "tracer/line_of_sight.h"
 #include "tracer/pixel_sample.h"
-#include "tracer/stages/travel.h"
-#include "tracer/vertex.h"
 
 namespace nocturne {
 namespace {
 
 /// Wavelengths of a sample, which is enough for colours of surfaces.
 constexpr int kWavelengths = 8;
-/// A ray that passes more holes than this is lost among them.
-constexpr int kMaxPasses = 64;
 
 using Wavelengths = WavelengthSamples<kWavelengths>;
 using Weights = std::array<Spectral<kWavelengths>, 3>;
@@ -39,63 +36,30 @@ struct Seen {
   Spectral<kWavelengths> albedo;
 };
 
-/// One sample of a pixel on its way.
-class Look {
- public:
-  Look(const Scene& scene, const Start<kWavelengths>& start, const PhotonSequence& sequence)
-      : scene_(scene), start_(start), group_(sequence) {
-    group_.ray = start.ray;
-    group_.departure = start.departure;
-    group_.inside = start.inside;
-    group_.width = start.width;
+/// `next(sequence)` gives the numbers that choose what a surface does. Notes if a luminaire's light
+/// is met.
+template <class Next>
+std::optional<Seen> first_seen(const Scene& scene, const Start<kWavelengths>& start,
+                               PhotonSequence sequence, const Next& next, bool& met_light) {
+  LineOfSight line(scene, start, sequence);
+  while (const auto* vertex = line.next()) {
+    const std::uint32_t luminaire = scene.materials[vertex->hit.surface].luminaire;
+    met_light = met_light || (luminaire != SurfaceMaterial::kNone &&
+                              scene.emits(scene.luminaires[luminaire], vertex->hit,
+                                          -line.direction(), start.time));
+    const Uniform4 u = next(sequence);
+    std::optional<Seen> seen;
+    visit_bound(scene.kernels, vertex->kernel, vertex->shading, [&](const auto& kernel) {
+      const auto draw = kernel.sample(vertex->wo, {u[3], u[0], u[1]}, 0);
+      if (draw && draw->delta && draw->wi == -vertex->wo) return;
+      seen = Seen{vertex->hit, vertex->kernel, vertex->frame.normal, line.distance(),
+                  kernel.albedo(vertex->wo)};
+    });
+    if (seen) return seen;
+    line.go_on(-vertex->wo);
   }
-
-  /// `numbers` gives those that choose what a surface does.
-  template <class Numbers>
-  std::optional<Seen> find(const Numbers& numbers) {
-    float distance = 0.0f;
-    for (int i = 0; i < kMaxPasses; ++i) {
-      const auto hit = scene_.geometry.intersect(group_.ray, start_.time, group_.departure);
-      if (!hit) return std::nullopt;
-      distance += way_to(group_, *hit);
-      group_.width = start_.width + start_.spread * distance;
-      if (auto seen = look_at(*hit, numbers(group_.sequence))) {
-        seen->distance = distance;
-        return seen;
-      }
-      pass_index_matched(scene_, group_, *hit, Contacts(), start_.time);
-    }
-    return std::nullopt;
-  }
-
-  /// Whether `find` met light of a luminaire.
-  bool met_light() const { return met_light_; }
-
- private:
-  std::optional<Seen> look_at(const Hit& hit, const KernelNumbers& numbers) {
-    if (sees_past(group_, scene_.hidden_from(hit.surface))) return std::nullopt;
-    const auto vertex = make_vertex(scene_, hit, Contacts(), group_, start_.wavelengths,
-                                    start_.time, Transport::kAdjoint);
-    if (!vertex) return std::nullopt;
-    const std::uint32_t luminaire = scene_.materials[hit.surface].luminaire;
-    if (luminaire != SurfaceMaterial::kNone &&
-        scene_.emits(scene_.luminaires[luminaire], hit, -group_.ray.direction, start_.time)) {
-      met_light_ = true;
-    }
-    return visit_bound(
-        scene_.kernels, vertex->kernel, vertex->shading,
-        [&](const auto& kernel) -> std::optional<Seen> {
-          const auto draw = kernel.sample(vertex->wo, numbers, 0);
-          if (draw && draw->delta && draw->wi == -vertex->wo) return std::nullopt;
-          return Seen{hit, vertex->kernel, vertex->frame.normal, 0.0f, kernel.albedo(vertex->wo)};
-        });
-  }
-
-  const Scene& scene_;
-  const Start<kWavelengths>& start_;
-  Group<kWavelengths> group_;
-  bool met_light_ = false;
-};
+  return std::nullopt;
+}
 
 /// Layers of single pixels.
 class LayerTracer {
@@ -134,10 +98,10 @@ class LayerTracer {
                       PixelLayers& layers) const {
     const auto sample =
         sample_pixel<kWavelengths>(scene_, film_, x, y, {0.5f, 0.5f, 0.0f, 0.5f, 0.5f, 0.5f});
+    bool met_light = false;
+    const auto middle = [](PhotonSequence&) { return Uniform4{0.5f, 0.5f, 0.5f, 0.5f}; };
     const auto seen =
-        Look(scene_, sample.start, PhotonSequence(numbers, 0)).find([](PhotonSequence&) {
-          return KernelNumbers{0.5f, 0.5f, 0.5f};
-        });
+        first_seen(scene_, sample.start, PhotonSequence(numbers, 0), middle, met_light);
     if (!seen) return;
     const Hit& hit = seen->hit;
     layers.depth = seen->distance;
@@ -150,13 +114,11 @@ class LayerTracer {
 
   void add_sample(const PixelSample<kWavelengths>& sample, const PhotonSequence& sequence,
                   PixelLayers& layers) const {
-    Look look(scene_, sample.start, sequence);
-    const auto seen = look.find([](PhotonSequence& next) {
-      const Uniform4 u = next.next();
-      return KernelNumbers{u[3], u[0], u[1]};
-    });
+    bool met_light = false;
+    const auto next = [](PhotonSequence& its) { return its.next(); };
+    const auto seen = first_seen(scene_, sample.start, sequence, next, met_light);
     const float part = 1.0f / static_cast<float>(samples_);
-    if (look.met_light()) layers.emission += part;
+    if (met_light) layers.emission += part;
     if (!seen) return;
     const Weights weights = rgb_weights(sample.wavelengths);
     const std::array<float, 3> normal{seen->normal.x, seen->normal.y, seen->normal.z};

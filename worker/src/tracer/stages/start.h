@@ -49,12 +49,8 @@ void start(Batch<N, Estimator, Media>& batch, const Start<N>& from,
   sample.flux = from.flux;
   if constexpr (Media) batch.flights.emplace_back(batch.scene, from.wavelengths, batch.limits);
   if (!(largest(from.flux) > 0.0f)) return;  // nothing was emitted
-  Group<N>& group = batch.groups.emplace_back(sequence);
-  group.ray = from.ray;
-  group.departure = from.departure;
+  Group<N>& group = batch.groups.emplace_back(from, sequence);
   group.sample = group.tally = number;
-  group.width = from.width;
-  group.inside = from.inside;
   if constexpr (Batch<N, Estimator, Media>::kAdjoint) {
     if (from.film_normal) start_towards_lights(batch, *from.film_normal);
   } else {
