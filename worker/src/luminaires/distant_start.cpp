@@ -12,20 +12,13 @@ namespace {
 /// Each is looked at for each photon.
 constexpr std::size_t kMostAims = 64;
 
-struct Box {
-  Vec3 low, high;
-
-  Geometry::Ball around() const { return {0.5f * (low + high), 0.5f * length(high - low)}; }
-};
-
-Vec3 lower(Vec3 a, Vec3 b) { return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)}; }
+Geometry::Ball ball_around(const Box& box) {
+  return {box.middle(), 0.5f * length(box.high - box.low)};
+}
 
 Box all_of(const Elements& elements) {
-  Box box{elements.bounds(0).low, elements.bounds(0).high};
-  for (std::size_t i = 1; i < elements.size(); ++i) {
-    box.low = lower(box.low, elements.bounds(i).low);
-    box.high = -lower(-box.high, -elements.bounds(i).high);
-  }
+  Box box;
+  for (std::size_t i = 0; i < elements.size(); ++i) box.add(elements.bounds(i));
   return box;
 }
 
@@ -37,13 +30,13 @@ DistantStart::DistantStart(const Elements& important) {
   const std::size_t count = important.size();
   if (count == 0) return;
   if (count > kMostAims) {
-    aims_.push_back({all_of(important).around(), 1.0f});
+    aims_.push_back({ball_around(all_of(important)), 1.0f});
     return;
   }
   const double total = important.total_weight();
   for (std::size_t i = 0; i < count; ++i) {
     const ElementBounds& element = important.bounds(i);
-    Geometry::Ball ball = Box{element.low, element.high}.around();
+    Geometry::Ball ball = ball_around(element);
     if (important.is_ball_at_rest(i)) ball.radius = 0.5f * (element.high.x - element.low.x);
     aims_.push_back({ball, static_cast<float>(element.weight / total)});
   }

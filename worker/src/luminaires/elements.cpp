@@ -25,16 +25,8 @@ void check(Vec3 v) {
   }
 }
 
-void extend(ElementBounds& b, Vec3 p) {
-  b.low = {std::min(b.low.x, p.x), std::min(b.low.y, p.y), std::min(b.low.z, p.z)};
-  b.high = {std::max(b.high.x, p.x), std::max(b.high.y, p.y), std::max(b.high.z, p.z)};
-}
-
 ElementBounds empty_bounds(const Emission& emission) {
-  constexpr float kInfinity = std::numeric_limits<float>::infinity();
   ElementBounds b;
-  b.low = {kInfinity, kInfinity, kInfinity};
-  b.high = {-kInfinity, -kInfinity, -kInfinity};
   b.two_sided = emission.two_sided;
   b.cosine_power = emission.cosine_power;
   return b;
@@ -64,12 +56,12 @@ void Elements::add_patch(std::span<const std::array<Vec3, 3>> corners, bool tria
   for (const auto& c : corners) {
     for (const Vec3 v : c) {
       check(v);
-      extend(bounds, v);
+      bounds.add(v);
     }
     states.push_back(Patch::make(c[0], Double3(c[1]) - Double3(c[0]), Double3(c[2]) - Double3(c[0]),
                                  triangle, emission.two_sided));
     const Patch& patch = states.back();
-    if (!triangle) extend(bounds, (Double3(c[1]) + patch.edge_v).rounded());
+    if (!triangle) bounds.add((Double3(c[1]) + patch.edge_v).rounded());
     area = patch.has_area() ? patch.area() : 0.0f;
     if (area > largest_area) {
       largest_area = area;
@@ -104,8 +96,8 @@ void Elements::add_sphere(std::span<const Sphere> spheres, const Emission& emiss
     const auto centre =
         Vec3{static_cast<float>(s.x), static_cast<float>(s.y), static_cast<float>(s.z)};
     const float r = std::nextafter(static_cast<float>(s.radius), 2e38f) + 1e-6f * max_abs(centre);
-    extend(bounds, centre - Vec3{r, r, r});
-    extend(bounds, centre + Vec3{r, r, r});
+    bounds.add(centre - Vec3{r, r, r});
+    bounds.add(centre + Vec3{r, r, r});
     radius = std::max(radius, s.radius);
   }
   if (!(radius > 0.0) || !(emission.radiance > 0.0f)) return;

@@ -9,6 +9,7 @@
 
 #include "luminaires/ball.h"
 #include "luminaires/patch.h"
+#include "math/box.h"
 #include "surfaces/shapes.h"
 
 namespace nocturne {
@@ -30,8 +31,7 @@ struct Emission {
 };
 
 /// Bounds of an element over the shutter, and of its emission; for a set, of all of them.
-struct ElementBounds {
-  Vec3 low, high;
+struct ElementBounds : Box {
   /// All normals are within the cone of this cosine around the axis.
   Vec3 axis;
   float cos_spread = 1.0f;

@@ -13,8 +13,6 @@ namespace {
 constexpr double kPiD = std::numbers::pi;
 
 double axis_of(Vec3 v, int axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
-Vec3 middle(const ElementBounds& b) { return 0.5f * (b.low + b.high); }
-
 // The smallest cone around two, Conty Estevez and Kulla 2018, algorithm 1.
 void unite_cones(ElementBounds& a, const ElementBounds& b) {
   double wide = math::acos(std::clamp(a.cos_spread, -1.0f, 1.0f));
@@ -43,9 +41,7 @@ void unite_cones(ElementBounds& a, const ElementBounds& b) {
 }
 
 ElementBounds unite(ElementBounds a, const ElementBounds& b) {
-  a.low = {std::min(a.low.x, b.low.x), std::min(a.low.y, b.low.y), std::min(a.low.z, b.low.z)};
-  a.high = {std::max(a.high.x, b.high.x), std::max(a.high.y, b.high.y),
-            std::max(a.high.z, b.high.z)};
+  a.add(b);
   unite_cones(a, b);
   a.two_sided = a.two_sided || b.two_sided;
   a.cosine_power = std::min(a.cosine_power, b.cosine_power);
@@ -106,7 +102,7 @@ class LightTreeBuilder {
     }
     const bool is_element = end - begin == 1;
     tree_.boxes_.push_back(
-        {bounds.low, bounds.high, 0, is_element ? order_[begin] : LightTree::kNone});
+        {{bounds.low, bounds.high}, 0, is_element ? order_[begin] : LightTree::kNone});
     LightTree::Below below{order_[begin], is_element};
     if (is_element) {
       tree_.above_element_[order_[begin]] = above;
@@ -151,7 +147,7 @@ class LightTreeBuilder {
     r.low.fill(std::numeric_limits<double>::infinity());
     r.high.fill(-std::numeric_limits<double>::infinity());
     for (std::size_t i = begin; i < end; ++i) {
-      const Vec3 m = middle(elements_.bounds(order_[i]));
+      const Vec3 m = elements_.bounds(order_[i]).middle();
       for (std::size_t axis = 0; axis < 3; ++axis) {
         const double x = axis_of(m, static_cast<int>(axis));
         r.low[axis] = std::min(r.low[axis], x);
@@ -172,7 +168,7 @@ class LightTreeBuilder {
     std::array<std::optional<ElementBounds>, kBuckets> buckets;
     for (std::size_t i = begin; i < end; ++i) {
       const ElementBounds& b = elements_.bounds(order_[i]);
-      auto& bucket = buckets[static_cast<std::size_t>(bucket_of(r, axis, middle(b)))];
+      auto& bucket = buckets[static_cast<std::size_t>(bucket_of(r, axis, b.middle()))];
       bucket = bucket ? unite(*bucket, b) : b;
     }
     std::array<double, kBuckets> from_right{};
@@ -208,7 +204,7 @@ class LightTreeBuilder {
     const auto last = order_.begin() + static_cast<std::ptrdiff_t>(end);
     if (std::isfinite(best.cost)) {
       const auto cut = std::partition(first, last, [&](std::uint32_t element) {
-        return bucket_of(r, best.axis, middle(elements_.bounds(element))) <= best.bucket;
+        return bucket_of(r, best.axis, elements_.bounds(element).middle()) <= best.bucket;
       });
       if (cut != first && cut != last) return static_cast<std::size_t>(cut - order_.begin());
     }

@@ -75,7 +75,7 @@ class LightTree {
     const Vec3 inverse{1.0f / direction.x, 1.0f / direction.y, 1.0f / direction.z};
     const auto count = static_cast<std::uint32_t>(boxes_.size());
     for (std::uint32_t i = 0; i < count;) {
-      const Box& box = boxes_[i];
+      const Node& box = boxes_[i];
       if (!meets(box, origin, inverse)) {
         i = box.next;
         continue;
@@ -88,8 +88,7 @@ class LightTree {
  private:
   static constexpr std::uint32_t kNone = ~0u;
 
-  struct Box {
-    Vec3 low, high;
+  struct Node : Box {
     std::uint32_t next;     // behind all that is below
     std::uint32_t element;  // kNone: an inner node's
   };
@@ -193,7 +192,7 @@ class LightTree {
   Below root_;
   std::vector<Children> children_;
   std::vector<Above> above_element_;
-  std::vector<Box> boxes_;
+  std::vector<Node> boxes_;
 };
 
 }  // namespace nocturne

@@ -25,14 +25,9 @@ struct NearView {
 
   static NearView make(const Patch& p, Vec3 position) {
     const auto towards = [&](double u, double v) {
-      const auto coordinate = [&](float c, double eu, double ev, float from) {
-        return c + u * eu + v * ev - from;
-      };
-      return normalized(DVec3{coordinate(p.corner.x, p.edge_u.x, p.edge_v.x, position.x),
-                              coordinate(p.corner.y, p.edge_u.y, p.edge_v.y, position.y),
-                              coordinate(p.corner.z, p.edge_u.z, p.edge_v.z, position.z)});
+      return (Double3(p.corner) + u * p.edge_u + v * p.edge_v - Double3(position)).normalized();
     };
-    const DVec3 a = towards(0, 0), b = towards(1, 0), c = towards(0, 1);
+    const Double3 a = towards(0, 0), b = towards(1, 0), c = towards(0, 1);
     const SphericalTriangle first(a, b, c);
     const SphericalTriangle second(p.triangle ? a : towards(1, 1), c, b);
     const double rest = p.triangle ? 0.0 : second.solid_angle();
@@ -68,8 +63,8 @@ std::optional<ElementSample> Patch::draw_near(Vec3 position, float u1, float u2)
   const bool second_one = !triangle && target >= view.first_angle;
   const double u = second_one ? (target - view.first_angle) / (view.total - view.first_angle)
                               : target / view.first_angle;
-  const DVec3 d = (second_one ? view.second : view.first).sample(u, u2);
-  const Vec3 direction{static_cast<float>(d.x), static_cast<float>(d.y), static_cast<float>(d.z)};
+  const Double3 d = (second_one ? view.second : view.first).sample(u, u2);
+  const Vec3 direction = d.rounded();
   auto distance = static_cast<float>(dot(Double3(corner) - Double3(position), across) /
                                      dot(Double3(direction), across));
   if (!(distance > 0.0f)) distance = std::numeric_limits<float>::infinity();

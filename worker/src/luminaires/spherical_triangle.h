@@ -7,27 +7,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "math/double3.h"
 #include "math/functions.h"
 
 namespace nocturne {
 
-struct DVec3 {
-  double x, y, z;
-};
-
-inline DVec3 operator+(DVec3 a, DVec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-inline DVec3 operator-(DVec3 a, DVec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-inline DVec3 operator*(double s, DVec3 a) { return {s * a.x, s * a.y, s * a.z}; }
-inline double dot(DVec3 a, DVec3 b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-inline DVec3 cross(DVec3 a, DVec3 b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-inline DVec3 normalized(DVec3 a) { return (1.0 / std::sqrt(dot(a, a))) * a; }
-
 class SphericalTriangle {
  public:
   /// Unit vectors to the corners, from the point that looks at it.
-  SphericalTriangle(DVec3 a, DVec3 b, DVec3 c) : a_(a), b_(b), c_(c) {
+  SphericalTriangle(Double3 a, Double3 b, Double3 c) : a_(a), b_(b), c_(c) {
     volume_ = std::fabs(dot(a, cross(b, c)));
     solid_angle_ = 2.0 * math::atan2(volume_, 1.0 + dot(a, b) + dot(b, c) + dot(c, a));
   }
@@ -36,7 +24,7 @@ class SphericalTriangle {
   double solid_angle() const { return solid_angle_; }
 
   /// Two uniform numbers in [0, 1]; the solid angle must be positive.
-  DVec3 sample(double u1, double u2) const {
+  Double3 sample(double u1, double u2) const {
     // The angle alpha at a; c is the arc from a to b.
     const double along = dot(cross(a_, b_), cross(a_, c_));
     const double hypotenuse = std::sqrt(along * along + volume_ * volume_);
@@ -50,20 +38,20 @@ class SphericalTriangle {
     const double below = (v * s + u * t) * sin_alpha;
     const double q =
         below != 0.0 ? std::clamp(((v * t - u * s) * cos_alpha - v) / below, -1.0, 1.0) : 1.0;
-    const DVec3 c_hat = q * a_ + std::sqrt(1.0 - q * q) * across(c_, a_);
+    const Double3 c_hat = q * a_ + std::sqrt(1.0 - q * q) * across(c_, a_);
     const double z = 1.0 - u2 * (1.0 - dot(c_hat, b_));
     return z * b_ + std::sqrt(std::max(0.0, 1.0 - z * z)) * across(c_hat, b_);
   }
 
  private:
   // The unit part of v across the unit w; zero where there is none.
-  static DVec3 across(DVec3 v, DVec3 w) {
-    const DVec3 rest = v - dot(v, w) * w;
+  static Double3 across(Double3 v, Double3 w) {
+    const Double3 rest = v - dot(v, w) * w;
     const double length2 = dot(rest, rest);
-    return length2 > 0.0 ? (1.0 / std::sqrt(length2)) * rest : DVec3{0.0, 0.0, 0.0};
+    return length2 > 0.0 ? (1.0 / std::sqrt(length2)) * rest : Double3{0.0, 0.0, 0.0};
   }
 
-  DVec3 a_, b_, c_;
+  Double3 a_, b_, c_;
   double volume_, solid_angle_;
 };
 

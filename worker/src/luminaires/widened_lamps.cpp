@@ -70,7 +70,7 @@ void WidenedLamps::add_elements(const Elements& all, std::span<const Luminaire> 
     const ElementBounds& bounds = all.bounds(bright[k]);
     const Luminaire& luminaire = luminaires[all.luminaire(bright[k])];
     const float stands_for = static_cast<float>(std::min(step, bright.size() - k));
-    const Vec3 middle = 0.5f * (bounds.low + bounds.high), extent = bounds.high - bounds.low;
+    const Vec3 middle = bounds.middle(), extent = bounds.high - bounds.low;
     const bool ball = bounds.cos_spread < 0.0f;
     // From so far off that a flat element is drawn evenly over its area.
     const float far = 100.0f * length(extent);

@@ -20,6 +20,10 @@ struct Double3 {
   Vec3 rounded() const {
     return {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};
   }
+  Double3 normalized() const {
+    const double s = 1.0 / std::sqrt(x * x + y * y + z * z);
+    return {s * x, s * y, s * z};
+  }
 };
 
 inline Double3 operator+(Double3 a, Double3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }

@@ -62,7 +62,7 @@ Hit a_point_on(const Shape& shape, const PlacedInstance* instance, std::uint32_t
     const Double3 ab = Double3(placed(instance, 0.0f, mesh->vertices[t[1]])) - a;
     const Double3 ac = Double3(placed(instance, 0.0f, mesh->vertices[t[2]])) - a;
     const Double3 n = cross(ab, ac);
-    normal = ((1.0 / length(n)) * n).rounded();
+    normal = n.normalized().rounded();
     point = (a + double{kU} * ab + double{kV} * ac).rounded();
   } else {
     const auto& s = std::get<Sphere>(shape);

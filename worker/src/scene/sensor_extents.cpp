@@ -43,7 +43,7 @@ std::vector<Box> shell(const Box& whole, Vec3 centre, float hollow) {
     };
     const Vec3 low = at(0), high = at(1);
     if (length(larger(absolute(low - centre), absolute(high - centre))) >= hollow) {
-      cells.push_back({0, low, high});
+      cells.push_back({low, high});
     }
   }
   return cells;

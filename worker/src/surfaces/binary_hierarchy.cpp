@@ -16,6 +16,11 @@ Box box_of(const RTCBuildPrimitive& p) {
   return {{p.lower_x, p.lower_y, p.lower_z}, {p.upper_x, p.upper_y, p.upper_z}};
 }
 
+float half_area(const Box& box) {
+  const Vec3 size = box.high - box.low;
+  return size.x * size.y + size.y * size.z + size.z * size.x;
+}
+
 bool is_alone(const RTCBuildPrimitive& p) { return p.primID >= Binary::kInstance; }
 
 Binary* new_binary(RTCThreadLocalAllocator allocator) {
@@ -39,7 +44,7 @@ Binary* leaf_of(RTCThreadLocalAllocator allocator, const Meshes& meshes,
   if (all.size() > 1 && (has_alone || !meshes.fit(std::span(held).first(all.size())))) {
     Box middles;
     const auto middle = [](const RTCBuildPrimitive& p) { return box_of(p).low + box_of(p).high; };
-    for (const RTCBuildPrimitive& p : all) middles.add(middle(p), middle(p));
+    for (const RTCBuildPrimitive& p : all) middles.add(middle(p));
     const Vec3 size = middles.high - middles.low;
     const auto along = [&](const RTCBuildPrimitive& p) {
       const Vec3 m = middle(p);
@@ -89,10 +94,10 @@ void weigh(Binary& b, const Meshes& meshes) {
         b.split[k] = static_cast<std::uint8_t>(first);
       }
     }
-    b.cost[0] = b.cost[kWidth - 1] + b.box.half_area();
+    b.cost[0] = b.cost[kWidth - 1] + half_area(b.box);
     merge(b, meshes);
   }
-  if (b.is_leaf) b.cost[0] = b.box.half_area();
+  if (b.is_leaf) b.cost[0] = half_area(b.box);
   for (std::size_t k = 1; k < kWidth; ++k) {
     // As many as the node has must stay as they are: it may not stand for itself.
     if (b.is_leaf || (k + 1 < kWidth && !(b.cost[k] < b.cost[k - 1]))) {

@@ -5,30 +5,15 @@
 
 #include <array>
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <stop_token>
 #include <vector>
 
+#include "math/box.h"
 #include "surfaces/shapes.h"
 #include "surfaces/tree.h"
 
 namespace nocturne {
-
-struct Box {
-  static constexpr float kInfinite = std::numeric_limits<float>::infinity();
-  Vec3 low{kInfinite, kInfinite, kInfinite}, high{-kInfinite, -kInfinite, -kInfinite};
-
-  void add(Vec3 p, Vec3 q) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
-    high = {std::max(high.x, q.x), std::max(high.y, q.y), std::max(high.z, q.z)};
-  }
-  void add(const Box& box) { add(box.low, box.high); }
-  float half_area() const {
-    const Vec3 size = high - low;
-    return size.x * size.y + size.y * size.z + size.z * size.x;
-  }
-};
 
 /// A node, or a leaf.
 struct Binary {

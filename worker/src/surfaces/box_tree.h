@@ -1,59 +1,22 @@
-// Boxes along the axes, and which of many are near each other.
+// Which of many boxes are near each other.
 #pragma once
 
 #include <algorithm>
 #include <bit>
 #include <cstddef>
-#include <cstdint>
-#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
 
-#include "math/vec3.h"
+#include "math/box.h"
 
 namespace nocturne {
 
-inline Vec3 smaller(Vec3 a, Vec3 b) {
-  return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
-}
-inline Vec3 larger(Vec3 a, Vec3 b) {
-  return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)};
-}
-
-/// Of what its owner numbers; without a corner one that nothing reaches.
-struct Box {
-  static constexpr float kInfinite = std::numeric_limits<float>::infinity();
-
-  std::uint32_t number = 0;
-  Vec3 low{kInfinite, kInfinite, kInfinite}, high{-kInfinite, -kInfinite, -kInfinite};
-
-  void add(Vec3 p) {
-    low = smaller(low, p);
-    high = larger(high, p);
-  }
-};
-
-/// Around them all.
-inline Box around(std::span<const Box> boxes) {
-  Box all;
-  for (const Box& box : boxes) {
-    all.low = smaller(all.low, box.low);
-    all.high = larger(all.high, box.high);
-  }
-  return all;
-}
-
-/// Whether they are no further apart along any axis than `reach`, m.
-inline bool reaches(const Box& a, const Box& b, double reach) {
-  return std::max({b.low.x - a.high.x, a.low.x - b.high.x, b.low.y - a.high.y, a.low.y - b.high.y,
-                   b.low.z - a.high.z, a.low.z - b.high.z}) <= reach;
-}
-
-/// Boxes, each set of them cut at the middle one along its longest axis.
+/// Boxes, or a type derived from them; each set is cut at the middle one along its longest axis.
+template <class B>
 class BoxTree {
  public:
-  explicit BoxTree(std::vector<Box> boxes)
+  explicit BoxTree(std::vector<B> boxes)
       : boxes_(std::move(boxes)), nodes_(2 * std::bit_ceil(boxes_.size() / kFew + 1)) {
     if (!boxes_.empty()) build(1, 0, boxes_.size());
   }
@@ -79,7 +42,7 @@ class BoxTree {
   };
 
   bool is_leaf(std::size_t i) const { return nodes_[i].count <= kFew; }
-  std::span<const Box> boxes_of(std::size_t i) const {
+  std::span<const B> boxes_of(std::size_t i) const {
     return std::span(boxes_).subspan(nodes_[i].first, nodes_[i].count);
   }
 
@@ -93,7 +56,7 @@ class BoxTree {
     const auto begin = boxes_.begin() + static_cast<std::ptrdiff_t>(first);
     const auto half = static_cast<std::ptrdiff_t>(count / 2);
     std::nth_element(begin, begin + half, begin + static_cast<std::ptrdiff_t>(count),
-                     [axis](const Box& a, const Box& b) {
+                     [axis](const B& a, const B& b) {
                        return a.low.*axis + a.high.*axis < b.low.*axis + b.high.*axis;
                      });
     build(2 * i, first, count / 2);
@@ -120,9 +83,9 @@ class BoxTree {
                const Close& close) const {
     if (!reaches(nodes_[i].all, other.nodes_[j].all, reach)) return false;
     if (is_leaf(i) && other.is_leaf(j)) {
-      return std::ranges::any_of(boxes_of(i), [&](const Box& a) {
-        return std::ranges::any_of(
-            other.boxes_of(j), [&](const Box& b) { return reaches(a, b, reach) && close(a, b); });
+      return std::ranges::any_of(boxes_of(i), [&](const B& a) {
+        return std::ranges::any_of(other.boxes_of(j),
+                                   [&](const B& b) { return reaches(a, b, reach) && close(a, b); });
       });
     }
     if (is_leaf(i) || (!other.is_leaf(j) && other.nodes_[j].count > nodes_[i].count)) {
@@ -131,7 +94,7 @@ class BoxTree {
     return between(2 * i, other, j, reach, close) || between(2 * i + 1, other, j, reach, close);
   }
 
-  std::vector<Box> boxes_;
+  std::vector<B> boxes_;
   std::vector<Node> nodes_;
 };
 

@@ -27,7 +27,7 @@ Plane plane_of(const TriangleMesh& mesh, std::uint32_t primitive, float time) {
   const Corners corners = corners_at(mesh, mesh.vertices, primitive, time);
   const Double3 a = corners.a, b = corners.b, c = corners.c;
   const Double3 n = cross(b - a, c - a);
-  const Double3 unit = (1.0 / length(n)) * n;
+  const Double3 unit = n.normalized();
   const auto largest = [&](double Double3::*axis) {
     return std::fabs(unit.*axis) *
            std::fmax(std::fabs(a.*axis), std::fmax(std::fabs(b.*axis), std::fabs(c.*axis)));
@@ -108,7 +108,7 @@ ExactCrossing cross_exactly(const Shape& shape, const Placement* placement, Doub
       crossing.distance = near ? roots->near : roots->far;
     }
     const Double3 out = o + crossing.distance * d - centre;
-    crossing.normal = (1.0 / length(out)) * out;
+    crossing.normal = out.normalized();
     crossing.coordinate = 0.0;
   }
   crossing.noise = kDoubleUnits * max_abs(o + crossing.distance * d);

@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include "math/box.h"
 #include "surfaces/embree_scene.h"
 #include "surfaces/exact_search.h"
 #include "surfaces/packets.h"
@@ -48,26 +49,19 @@ Geometry::~Geometry() = default;
 Geometry::Geometry(Geometry&&) noexcept = default;
 
 Geometry::Ball Geometry::bounds() const {
-  Vec3 low, high;
-  const auto add = [&](const RTCBounds& b) {
-    low = {std::min(low.x, b.lower_x), std::min(low.y, b.lower_y), std::min(low.z, b.lower_z)};
-    high = {std::max(high.x, b.upper_x), std::max(high.y, b.upper_y), std::max(high.z, b.upper_z)};
-  };
   const EmbreeScene& all = *embree_;
-  RTCLinearBounds box;
+  if (all.rest == nullptr && all.tree == nullptr) return {};
+  Box box;
   if (all.rest != nullptr) {
-    rtcGetSceneLinearBounds(all.rest, &box);
-    low = {box.bounds0.lower_x, box.bounds0.lower_y, box.bounds0.lower_z};
-    high = {box.bounds0.upper_x, box.bounds0.upper_y, box.bounds0.upper_z};
-    add(box.bounds1);
+    RTCLinearBounds rest;
+    rtcGetSceneLinearBounds(all.rest, &rest);
+    for (const RTCBounds& b : {rest.bounds0, rest.bounds1}) {
+      box.add({{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}});
+    }
   }
-  if (all.tree != nullptr) {
-    const Vec3 &a = all.tree->low, &b = all.tree->high;
-    if (all.rest == nullptr) low = a, high = b;
-    add({a.x, a.y, a.z, 0.0f, b.x, b.y, b.z, 0.0f});
-  }
+  if (all.tree != nullptr) box.add({all.tree->low, all.tree->high});
   // A little more, so that nothing touches it.
-  return {0.5f * (low + high), 0.5005f * length(high - low)};
+  return {box.middle(), 0.5005f * length(box.high - box.low)};
 }
 
 void Geometry::set_close(std::vector<CloseSurface> close) {

@@ -13,7 +13,7 @@ namespace {
 
 Double3 on_sphere(Double3 centre, Double3 origin, Double3 direction, float distance) {
   const Double3 from_centre = origin + static_cast<double>(distance) * direction - centre;
-  return (1.0 / length(from_centre)) * from_centre;
+  return from_centre.normalized();
 }
 
 // `height` is the clearance within the group.
@@ -98,7 +98,7 @@ Hit locate_needle(const Corners& p, Double3 origin, Double3 direction, Found fou
   find_again(p.a, ab, ac, n, origin, direction, found);
   const Vec3 position = (Double3(p.a) + double{found.u} * ab + double{found.v} * ac).rounded();
   return {.position = position,
-          .normal = ((1.0 / length(n)) * n).rounded(),
+          .normal = n.normalized().rounded(),
           .surface = found.surface,
           .distance = found.distance,
           .clearance = kClearanceUnits * (max_abs(position) + static_cast<float>(edge)),

@@ -33,7 +33,7 @@ inline Double3 fold(float point_u, float point_v) {
     u = unfolded;
   }
   const Double3 n{u, v, z};
-  return (1.0 / length(n)) * n;
+  return n.normalized();
 }
 
 }  // namespace nocturne

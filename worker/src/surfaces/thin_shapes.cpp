@@ -24,10 +24,14 @@ Triangle triangle_of(const TriangleMesh& mesh, std::uint32_t index) {
   return {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
 }
 
-Box box_of(const TriangleMesh& mesh, std::uint32_t index) {
+struct TriangleBox : Box {
+  std::uint32_t number;
+};
+
+TriangleBox box_of(const TriangleMesh& mesh, std::uint32_t index) {
   const auto& t = mesh.triangles[index];
   const Vec3 a = mesh.vertices[t[0]], b = mesh.vertices[t[1]], c = mesh.vertices[t[2]];
-  return {index, smaller(a, smaller(b, c)), larger(a, larger(b, c))};
+  return {{smaller(a, smaller(b, c)), larger(a, larger(b, c))}, index};
 }
 
 // Between what two triangles cover along an axis, over its length.
@@ -81,8 +85,8 @@ bool may_lie_along(const Triangle& a, const Triangle& b) {
   return std::fabs(dot(m, n)) > kMinCosine * length(m) * length(n);
 }
 
-std::vector<Box> boxes_of(const TriangleMesh& mesh) {
-  std::vector<Box> boxes;
+std::vector<TriangleBox> boxes_of(const TriangleMesh& mesh) {
+  std::vector<TriangleBox> boxes;
   boxes.reserve(mesh.triangles.size());
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) boxes.push_back(box_of(mesh, i));
   return boxes;
@@ -90,7 +94,7 @@ std::vector<Box> boxes_of(const TriangleMesh& mesh) {
 
 bool may_be_thin(const TriangleMesh& mesh, double reach) {
   std::size_t pairs = 0;
-  return BoxTree(boxes_of(mesh)).any_pair(reach, [&](const Box& a, const Box& b) {
+  return BoxTree(boxes_of(mesh)).any_pair(reach, [&](const TriangleBox& a, const TriangleBox& b) {
     if (++pairs > kMaxPairs) return true;
     const Triangle one = triangle_of(mesh, a.number), other = triangle_of(mesh, b.number);
     return face_away(one, other) && !share_corner(mesh, a.number, b.number) &&
@@ -100,14 +104,14 @@ bool may_be_thin(const TriangleMesh& mesh, double reach) {
 
 bool may_be_close(const TriangleMesh& a, const TriangleMesh& b, double reach) {
   std::size_t pairs = 0;
-  const auto close = [&](const Box& of_a, const Box& of_b) {
+  const auto close = [&](const TriangleBox& of_a, const TriangleBox& of_b) {
     if (++pairs > kMaxPairs) return true;
     const Triangle one = triangle_of(a, of_a.number), other = triangle_of(b, of_b.number);
     return may_lie_along(one, other) && !apart(one, other, reach);
   };
   // Trees of what may matter only: a mesh is asked about with each that stands by it.
-  std::vector<Box> boxes_a = boxes_of(a), boxes_b = boxes_of(b);
-  const auto keep_by = [reach](std::vector<Box>& boxes, const Box& other) {
+  std::vector<TriangleBox> boxes_a = boxes_of(a), boxes_b = boxes_of(b);
+  const auto keep_by = [reach](std::vector<TriangleBox>& boxes, const Box& other) {
     std::erase_if(boxes, [&](const Box& box) { return !reaches(box, other, reach); });
   };
   keep_by(boxes_a, around(boxes_b));

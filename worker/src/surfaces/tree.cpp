@@ -150,9 +150,7 @@ std::vector<RTCBuildPrimitive> primitives_of(std::span<const Shape> shapes,
     const auto& mesh = std::get<TriangleMesh>(shapes[surface]);
     for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
       Box box;
-      for (const std::uint32_t corner : mesh.triangles[i]) {
-        box.add(mesh.vertices[corner], mesh.vertices[corner]);
-      }
+      for (const std::uint32_t corner : mesh.triangles[i]) box.add(mesh.vertices[corner]);
       add_primitive(all, box, surface, i);
     }
   }
