@@ -56,23 +56,23 @@ Hit a_point_on(const Shape& shape, const PlacedInstance* instance, std::uint32_t
                const Geometry& geometry) {
   constexpr float kU = 0.3f, kV = 0.3f;
   Vec3 point, normal;
-  if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
-    const auto& t = mesh->triangles.front();
-    const Double3 a(placed(instance, 0.0f, mesh->vertices[t[0]]));
-    const Double3 ab = Double3(placed(instance, 0.0f, mesh->vertices[t[1]])) - a;
-    const Double3 ac = Double3(placed(instance, 0.0f, mesh->vertices[t[2]])) - a;
-    const Double3 n = cross(ab, ac);
-    normal = n.normalized().rounded();
+  const auto of_mesh = [&](const TriangleMesh& mesh) {
+    const auto& t = mesh.triangles.front();
+    const Double3 a(placed(instance, 0.0f, mesh.vertices[t[0]]));
+    const Double3 ab = Double3(placed(instance, 0.0f, mesh.vertices[t[1]])) - a;
+    const Double3 ac = Double3(placed(instance, 0.0f, mesh.vertices[t[2]])) - a;
+    normal = cross(ab, ac).normalized().rounded();
     point = (a + double{kU} * ab + double{kV} * ac).rounded();
-  } else {
-    const auto& s = std::get<Sphere>(shape);
+  };
+  const auto of_sphere = [&](const Sphere& s) {
     const Double3 out = fold(kU, kV);
     const Double3 at = Double3{s.x, s.y, s.z} + s.radius * out;
     const auto placement =
         instance == nullptr ? std::nullopt : std::optional(instance->placement(0.0f));
     point = (placement ? placement->point_to_scene(at) : at).rounded();
     normal = normalized((placement ? placement->normal_to_scene(out) : out).rounded());
-  }
+  };
+  visit_shape(shape, of_mesh, of_sphere);
   return {.position = point,
           .normal = normal,
           .surface = surface,
@@ -122,15 +122,17 @@ std::vector<Vec3> centres(const Sphere& sphere) {
 }
 
 Box whole_box_of(const Shape& shape, const PlacedInstance* instance) {
-  if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) return box_of(mesh->vertices, instance);
-  const auto& sphere = std::get<Sphere>(shape);
-  const auto r = static_cast<float>(sphere.radius);
-  std::vector<Vec3> ends;
-  for (const Vec3 c : centres(sphere)) {
-    ends.push_back(c - Vec3{r, r, r});
-    ends.push_back(c + Vec3{r, r, r});
-  }
-  return box_of(ends, instance);
+  return visit_shape(
+      shape, [&](const TriangleMesh& mesh) { return box_of(mesh.vertices, instance); },
+      [&](const Sphere& sphere) {
+        const auto r = static_cast<float>(sphere.radius);
+        std::vector<Vec3> ends;
+        for (const Vec3 c : centres(sphere)) {
+          ends.push_back(c - Vec3{r, r, r});
+          ends.push_back(c + Vec3{r, r, r});
+        }
+        return box_of(ends, instance);
+      });
 }
 
 // What float coordinates leave unknown, and what starts a little off a surface.
@@ -170,19 +172,20 @@ bool crosses(const Shape& shape, const PlacedInstance* instance, std::vector<Box
   const float reach = reach_of(all, whole);
   if (!reaches(all, whole, reach)) return false;
   std::erase_if(boxes, [&](const Box& box) { return !reaches(box, whole, reach); });
-  const auto* mesh = std::get_if<TriangleMesh>(&shape);
-  if (mesh == nullptr) {
+  const auto mesh_crosses = [&](const TriangleMesh& mesh) {
+    std::vector<Box> triangles;
+    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+      triangles.push_back(box_of(mesh, i, instance));
+      if (!reaches(triangles.back(), all, reach)) triangles.pop_back();
+    }
+    const auto meet = [](const Box&, const Box&) { return true; };
+    return BoxTree(std::move(triangles)).any_pair_with(BoxTree(std::move(boxes)), reach, meet);
+  };
+  return visit_shape(shape, mesh_crosses, [&](const Sphere& sphere) {
     return instance != nullptr ? !boxes.empty() : std::ranges::any_of(boxes, [&](const Box& box) {
-      return sphere_crosses(std::get<Sphere>(shape), box);
+      return sphere_crosses(sphere, box);
     });
-  }
-  std::vector<Box> triangles;
-  for (std::uint32_t i = 0; i < mesh->triangles.size(); ++i) {
-    triangles.push_back(box_of(*mesh, i, instance));
-    if (!reaches(triangles.back(), all, reach)) triangles.pop_back();
-  }
-  const auto meet = [](const Box&, const Box&) { return true; };
-  return BoxTree(std::move(triangles)).any_pair_with(BoxTree(std::move(boxes)), reach, meet);
+  });
 }
 
 // Whether the boundary of a body may pass through any of the boxes, at any time.
@@ -205,16 +208,16 @@ bool any_boundary_crosses(const Bodies& bodies, std::span<const std::uint32_t> g
 // Of all places, each by its triangles where these are few.
 std::vector<Box> boxes_of(const Bodies& bodies, const Shape& shape, std::uint32_t group) {
   constexpr std::size_t kFew = 64;
-  const auto* mesh = std::get_if<TriangleMesh>(&shape);
   std::vector<Box> boxes;
   for_each_place(bodies.geometry, group, [&](const PlacedInstance* instance) {
-    if (mesh == nullptr || (group != 0 && mesh->triangles.size() > kFew)) {
-      boxes.push_back(whole_box_of(shape, instance));
-      return;
-    }
-    for (std::uint32_t i = 0; i < mesh->triangles.size(); ++i) {
-      boxes.push_back(box_of(*mesh, i, instance));
-    }
+    const auto whole = [&] { boxes.push_back(whole_box_of(shape, instance)); };
+    const auto triangles = [&](const TriangleMesh& mesh) {
+      if (group != 0 && mesh.triangles.size() > kFew) return whole();
+      for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+        boxes.push_back(box_of(mesh, i, instance));
+      }
+    };
+    visit_shape(shape, triangles, [&](const Sphere&) { whole(); });
   });
   return boxes;
 }

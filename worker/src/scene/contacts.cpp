@@ -41,10 +41,10 @@ struct Extent {
 
 Extent extent_of(const Shape& shape) {
   Extent extent;
-  if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
-    for (const Vec3 v : mesh->vertices) extent.add(Double3(v));
-  } else {
-    const auto& sphere = std::get<Sphere>(shape);
+  const auto add_mesh = [&](const TriangleMesh& mesh) {
+    for (const Vec3 v : mesh.vertices) extent.add(Double3(v));
+  };
+  visit_shape(shape, add_mesh, [&](const Sphere& sphere) {
     const Double3 half{sphere.radius, sphere.radius, sphere.radius};
     const auto add = [&](Double3 centre) {
       extent.add(centre - half);
@@ -52,7 +52,7 @@ Extent extent_of(const Shape& shape) {
     };
     add({sphere.x, sphere.y, sphere.z});
     for (const Double3 later : sphere.later_centres) add(later);
-  }
+  });
   extent.clearance = kClearanceUnits * extent.reach();
   extent.count = 1;
   return extent;
@@ -99,14 +99,13 @@ bool reaches(const Extent& a, const Extent& b, double seen_from) {
 // the other's box.
 bool any_part_reaches(const Shape& shape, const Extent& whole, const Extent& other,
                       double seen_from) {
-  const auto* mesh = std::get_if<TriangleMesh>(&shape);
-  if (mesh == nullptr || mesh->time_steps > 1) return true;
-  return std::ranges::any_of(mesh->triangles, [&](const auto& triangle) {
-    Extent part;
-    for (const std::uint32_t corner : triangle) part.add(Double3(mesh->vertices[corner]));
-    part.clearance = whole.clearance;
-    return reaches(part, other, seen_from);
-  });
+  const TriangleMesh* mesh = mesh_at_rest(shape);
+  return mesh == nullptr || std::ranges::any_of(mesh->triangles, [&](const auto& triangle) {
+           Extent part;
+           for (const std::uint32_t corner : triangle) part.add(Double3(mesh->vertices[corner]));
+           part.clearance = whole.clearance;
+           return reaches(part, other, seen_from);
+         });
 }
 
 bool is_body(const SurfaceMaterial& material) {

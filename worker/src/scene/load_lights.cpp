@@ -23,9 +23,7 @@ constexpr float kMaxRadiance = std::numeric_limits<float>::max();
 // Steps of the shape or of the instance, whichever are more: directions drawn towards it need not
 // follow a motion that is the product of two to the last digit.
 std::size_t time_steps(const Shape& shape, const PlacedInstance* instance) {
-  const auto* mesh = std::get_if<TriangleMesh>(&shape);
-  const std::size_t own =
-      mesh ? mesh->time_steps : std::get<Sphere>(shape).later_centres.size() + 1;
+  const std::size_t own = time_steps_of(shape);
   return instance ? std::max(own, instance->time_steps()) : own;
 }
 
@@ -79,18 +77,18 @@ AngularProfile load_profile(const v1::Luminaire& message, const Shape& shape, bo
   IntensityProfile profile({vector(p.axis(), "a profile's axis"),
                             vector(p.zero(), "a profile's zero direction"), floats(p.vertical()),
                             floats(p.horizontal()), floats(p.values())});
-  if (const auto* sphere = std::get_if<Sphere>(&shape)) {
-    return IntensityLamp{std::move(profile),
-                         static_cast<float>(std::numbers::pi * sphere->radius * sphere->radius),
-                         false};
-  }
-  const auto& mesh = std::get<TriangleMesh>(shape);
-  double area = 0.0;
-  for (const auto& t : mesh.triangles) {
-    area += 0.5 * length(cross(mesh.vertices[t[1]] - mesh.vertices[t[0]],
-                               mesh.vertices[t[2]] - mesh.vertices[t[0]]));
-  }
-  return IntensityLamp{std::move(profile), static_cast<float>(area), true};
+  const auto of_mesh = [&](const TriangleMesh& mesh) {
+    double area = 0.0;
+    for (const auto& t : mesh.triangles) {
+      area += 0.5 * length(cross(mesh.vertices[t[1]] - mesh.vertices[t[0]],
+                                 mesh.vertices[t[2]] - mesh.vertices[t[0]]));
+    }
+    return IntensityLamp{std::move(profile), static_cast<float>(area), true};
+  };
+  return visit_shape(shape, of_mesh, [&](const Sphere& sphere) {
+    const double disc = std::numbers::pi * sphere.radius * sphere.radius;
+    return IntensityLamp{std::move(profile), static_cast<float>(disc), false};
+  });
 }
 
 Elements luminaire_elements(const std::vector<Luminaire>& luminaires, const Geometry& geometry,
@@ -103,13 +101,14 @@ Elements luminaire_elements(const std::vector<Luminaire>& luminaires, const Geom
     emission.luminaire = i;
     for_each_place(geometry, groups[luminaire.surface], [&](const PlacedInstance* instance) {
       const std::size_t steps = time_steps(shape, instance);
-      if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
-        const auto vertices = placed_vertices(*mesh, instance, steps);
+      const auto add_mesh = [&](const TriangleMesh& mesh) {
+        const auto vertices = placed_vertices(mesh, instance, steps);
         const std::vector<std::span<const Vec3>> spans(vertices.begin(), vertices.end());
-        elements.add_mesh(spans, mesh->triangles, emission);
-      } else {
-        elements.add_sphere(placed_spheres(std::get<Sphere>(shape), instance, steps), emission);
-      }
+        elements.add_mesh(spans, mesh.triangles, emission);
+      };
+      visit_shape(shape, add_mesh, [&](const Sphere& sphere) {
+        elements.add_sphere(placed_spheres(sphere, instance, steps), emission);
+      });
     });
   }
   return elements;
@@ -239,18 +238,18 @@ PhotonEmitter load_emitter(const std::vector<Luminaire>& luminaires, const Light
     const Shape& shape = geometry.shapes()[luminaire.surface];
     for_each_place(geometry, groups[luminaire.surface], [&](const PlacedInstance* instance) {
       const std::uint32_t shown_by = index_of(geometry, instance);
-      if (const auto* sphere = std::get_if<Sphere>(&shape)) {
-        emitter.add_sphere(i, luminaire, *sphere, geometry, shown_by);
-        return;
-      }
-      const auto& mesh = std::get<TriangleMesh>(shape);
-      const auto vertices = placed_vertices(mesh, instance, time_steps(shape, instance));
-      for (std::uint32_t triangle = 0; triangle < mesh.triangles.size(); ++triangle) {
-        const auto& t = mesh.triangles[triangle];
-        std::vector<std::array<Vec3, 3>> corners;
-        for (const auto& v : vertices) corners.push_back({v[t[0]], v[t[1]], v[t[2]]});
-        emitter.add_triangle(i, luminaire, std::move(corners), {shown_by, triangle});
-      }
+      const auto add_mesh = [&](const TriangleMesh& mesh) {
+        const auto vertices = placed_vertices(mesh, instance, time_steps(shape, instance));
+        for (std::uint32_t triangle = 0; triangle < mesh.triangles.size(); ++triangle) {
+          const auto& t = mesh.triangles[triangle];
+          std::vector<std::array<Vec3, 3>> corners;
+          for (const auto& v : vertices) corners.push_back({v[t[0]], v[t[1]], v[t[2]]});
+          emitter.add_triangle(i, luminaire, std::move(corners), {shown_by, triangle});
+        }
+      };
+      visit_shape(shape, add_mesh, [&](const Sphere& sphere) {
+        emitter.add_sphere(i, luminaire, sphere, geometry, shown_by);
+      });
     });
   }
   emitter.finish(lights, ball_with_film(geometry.bounds(), sensor, {1, 1}));

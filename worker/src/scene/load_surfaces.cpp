@@ -157,9 +157,10 @@ std::vector<SurfaceMaterial> load_materials(const LoadContext& context,
                               surface.has_interior();
     material.may_pass =
         may_pass(kernels, material.front_kernel) || may_pass(kernels, material.back_kernel);
-    const auto* mesh = std::get_if<TriangleMesh>(&shapes[materials.size()]);
-    material.needs_detail = material.bump_map != SurfaceMaterial::kNone ||
-                            (mesh != nullptr && !mesh->normals.empty()) ||
+    const bool has_normals = visit_shape(
+        shapes[materials.size()], [](const TriangleMesh& mesh) { return !mesh.normals.empty(); },
+        [](const Sphere&) { return false; });
+    material.needs_detail = material.bump_map != SurfaceMaterial::kNone || has_normals ||
                             needs_detail(context.message, material.front_kernel) ||
                             needs_detail(context.message, material.back_kernel);
     materials.push_back(material);

@@ -72,12 +72,12 @@ void EmbreeScene::build(const std::vector<std::uint32_t>& group_of_shape,
       id = static_cast<unsigned>(group.surfaces.size());
       group.surfaces.push_back(i);
     }
-    if (auto* mesh = std::get_if<TriangleMesh>(&shapes[i])) {
-      attach(geometry_of(device_, *mesh), id, to, Tree::can_hold(shapes[i]));
-    } else {
-      const Sphere& sphere = std::get<Sphere>(shapes[i]);
+    const auto add_mesh = [&](TriangleMesh& mesh) {
+      attach(geometry_of(device_, mesh), id, to, Tree::can_hold(shapes[i]));
+    };
+    visit_shape(shapes[i], add_mesh, [&](const Sphere& sphere) {
       spheres[{to, sphere.later_centres.size()}].all.push_back({&sphere, id});
-    }
+    });
   }
   // Under the number of their first.
   for (auto& [where, same] : spheres) {
@@ -102,10 +102,7 @@ void EmbreeScene::build_tree(const std::vector<std::uint32_t>& group_of_shape,
     if (Tree::can_hold(*one.instance)) boxes.push_back({one.index, bounds_of(one, 0)});
   }
   std::size_t count = boxes.size();
-  for (const Shape& shape : shapes) {
-    const auto* mesh = std::get_if<TriangleMesh>(&shape);
-    count += mesh != nullptr ? mesh->triangles.size() : 1;
-  }
+  for (const Shape& shape : shapes) count += primitive_count(shape);
   is_small = count <= kSmall;
   if (surfaces.empty() && boxes.empty()) return;
   tree = std::make_unique<Tree>(device_, shapes, surfaces, boxes, stop);

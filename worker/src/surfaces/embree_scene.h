@@ -53,11 +53,10 @@ struct EmbreeScene {
       return locate(shapes[found.surface], instances[found.instance].placement(time), origin,
                     direction, found, time);
     }
-    const Shape& shape = shapes[found.surface];
-    if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
-      return locate(*mesh, origin, direction, found, time);
-    }
-    return locate(std::get<Sphere>(shape), origin, direction, found, time);
+    const auto of = [&](const auto& shape) {
+      return locate(shape, origin, direction, found, time);
+    };
+    return std::visit(of, shapes[found.surface]);
   }
 
   /// f(shape, placement or null) of what a hit is on.

@@ -92,13 +92,13 @@ ExactCrossing cross_exactly(const Shape& shape, const Placement* placement, Doub
   const Double3 o = placement != nullptr ? placement->point_to_group(origin) : origin;
   const Double3 d = placement != nullptr ? placement->inverse * direction : direction;
   ExactCrossing crossing;
-  if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
-    const Plane plane = plane_of(*mesh, found.primitive, time);
+  const auto cross_mesh = [&](const TriangleMesh& mesh) {
+    const Plane plane = plane_of(mesh, found.primitive, time);
     crossing.normal = plane.normal;
     crossing.coordinate = plane.coordinate;
     crossing.distance = dot(plane.normal, plane.point - o) / dot(plane.normal, d);
-  } else {
-    const Sphere& sphere = std::get<Sphere>(shape);
+  };
+  visit_shape(shape, cross_mesh, [&](const Sphere& sphere) {
     const Double3 centre = centre_at(sphere, time);
     const auto roots = cross_sphere(centre, sphere.radius, o, d);
     crossing.distance = found.distance;
@@ -110,7 +110,7 @@ ExactCrossing cross_exactly(const Shape& shape, const Placement* placement, Doub
     const Double3 out = o + crossing.distance * d - centre;
     crossing.normal = out.normalized();
     crossing.coordinate = 0.0;
-  }
+  });
   crossing.noise = kDoubleUnits * max_abs(o + crossing.distance * d);
   if (placement != nullptr) {
     const Double3 n = placement->normal_to_scene(crossing.normal);
@@ -125,17 +125,16 @@ ExactCrossing cross_exactly(const Shape& shape, const Placement* placement, Doub
 }
 
 Double3 exact_point(const Shape& shape, const Placement* placement, const Hit& hit, float time) {
-  Double3 point;
-  if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
-    const Corners corners = corners_at(*mesh, mesh->vertices, hit.primitive, time);
+  const auto on_mesh = [&](const TriangleMesh& mesh) {
+    const Corners corners = corners_at(mesh, mesh.vertices, hit.primitive, time);
     const Double3 a = corners.a;
-    point = a + static_cast<double>(hit.u) * (Double3(corners.b) - a) +
-            static_cast<double>(hit.v) * (Double3(corners.c) - a);
-  } else {
-    const Sphere& sphere = std::get<Sphere>(shape);
+    return a + static_cast<double>(hit.u) * (Double3(corners.b) - a) +
+           static_cast<double>(hit.v) * (Double3(corners.c) - a);
+  };
+  const Double3 point = visit_shape(shape, on_mesh, [&](const Sphere& sphere) {
     const Double3 n = placement != nullptr ? fold(hit.u, hit.v) : Double3(hit.normal);
-    point = centre_at(sphere, time) + (sphere.radius / length(n)) * n;
-  }
+    return centre_at(sphere, time) + (sphere.radius / length(n)) * n;
+  });
   return placement != nullptr ? placement->point_to_scene(point) : point;
 }
 
@@ -164,14 +163,15 @@ std::optional<bool> sheet_order(std::span<const Crossed> crossed, std::size_t a,
 bool same_crossing(const Shape& shape, const Crossed& left, const Crossed& again) {
   if (!of_one_surface(left, again)) return false;
   const bool same_way = left.at.entering() == again.at.entering();
-  const auto* mesh = std::get_if<TriangleMesh>(&shape);
-  if (mesh == nullptr) return same_way;
-  if (left.primitive == again.primitive) return true;
-  if (!same_way) return false;
-  const double gap = std::fabs((again.at.distance - left.at.distance) * again.at.facing);
-  return share_corner(*mesh, left.primitive, again.primitive) ||
-         gap <= kRounding * (left.at.coordinate + again.at.coordinate) + left.at.noise +
-                    again.at.noise;
+  const auto on_mesh = [&](const TriangleMesh& mesh) {
+    if (left.primitive == again.primitive) return true;
+    if (!same_way) return false;
+    const double gap = std::fabs((again.at.distance - left.at.distance) * again.at.facing);
+    return share_corner(mesh, left.primitive, again.primitive) ||
+           gap <= kRounding * (left.at.coordinate + again.at.coordinate) + left.at.noise +
+                      again.at.noise;
+  };
+  return visit_shape(shape, on_mesh, [&](const Sphere&) { return same_way; });
 }
 
 }  // namespace nocturne

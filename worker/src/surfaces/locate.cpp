@@ -127,10 +127,10 @@ Hit locate(const Sphere& sphere, Double3 origin, Double3 direction, const Found&
 
 Hit locate(const Shape& shape, const Placement& placement, Double3 origin, Double3 direction,
            const Found& found, float time) {
-  if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
-    return locate_in_group(*mesh, placement, origin, direction, found, time);
-  }
-  return locate_in_group(std::get<Sphere>(shape), placement, origin, direction, found, time);
+  const auto in_group = [&](const auto& one) {
+    return locate_in_group(one, placement, origin, direction, found, time);
+  };
+  return std::visit(in_group, shape);
 }
 
 }  // namespace nocturne

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <variant>
 #include <vector>
@@ -43,5 +44,35 @@ struct Sphere {
 };
 
 using Shape = std::variant<TriangleMesh, Sphere>;
+
+/// Answers of the function that takes the shape's type. There is one for each: who asks does not
+/// compile before a further type has its answer.
+template <class S, class... F>
+decltype(auto) visit_shape(S& shape, const F&... functions) {
+  struct Each : F... {
+    using F::operator()...;
+  };
+  return std::visit(Each{functions...}, shape);
+}
+
+inline std::size_t time_steps_of(const Shape& shape) {
+  return visit_shape(
+      shape, [](const TriangleMesh& mesh) { return std::size_t{mesh.time_steps}; },
+      [](const Sphere& sphere) { return sphere.later_centres.size() + 1; });
+}
+
+/// Null where it is none, or moves by itself.
+inline const TriangleMesh* mesh_at_rest(const Shape& shape) {
+  return visit_shape(
+      shape, [](const TriangleMesh& mesh) { return mesh.time_steps == 1 ? &mesh : nullptr; },
+      [](const Sphere&) { return static_cast<const TriangleMesh*>(nullptr); });
+}
+
+/// What a search looks at one by one.
+inline std::size_t primitive_count(const Shape& shape) {
+  return visit_shape(
+      shape, [](const TriangleMesh& mesh) { return mesh.triangles.size(); },
+      [](const Sphere&) { return std::size_t{1}; });
+}
 
 }  // namespace nocturne

@@ -122,18 +122,15 @@ bool may_be_close(const TriangleMesh& a, const TriangleMesh& b, double reach) {
 }  // namespace
 
 bool may_be_thin(const Shape& shape, double reach) {
-  if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
-    return mesh->time_steps > 1 || may_be_thin(*mesh, reach);
-  }
-  return std::get<Sphere>(shape).radius < 4.0 * reach;
+  return visit_shape(
+      shape,
+      [&](const TriangleMesh& mesh) { return mesh.time_steps > 1 || may_be_thin(mesh, reach); },
+      [&](const Sphere& sphere) { return sphere.radius < 4.0 * reach; });
 }
 
 bool may_be_close(const Shape& a, const Shape& b, double reach) {
-  const auto* one = std::get_if<TriangleMesh>(&a);
-  const auto* other = std::get_if<TriangleMesh>(&b);
-  if (one == nullptr || other == nullptr || one->time_steps > 1 || other->time_steps > 1)
-    return true;
-  return may_be_close(*one, *other, reach);
+  const TriangleMesh *one = mesh_at_rest(a), *other = mesh_at_rest(b);
+  return one == nullptr || other == nullptr || may_be_close(*one, *other, reach);
 }
 
 }  // namespace nocturne

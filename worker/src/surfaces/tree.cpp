@@ -136,23 +136,20 @@ std::vector<RTCBuildPrimitive> primitives_of(std::span<const Shape> shapes,
                                              std::span<const std::uint32_t> surfaces,
                                              std::span<const Tree::InstanceBox> instances) {
   std::size_t count = instances.size();
-  for (const std::uint32_t surface : surfaces) {
-    const auto* mesh = std::get_if<TriangleMesh>(&shapes[surface]);
-    count += mesh != nullptr ? mesh->triangles.size() : 1;
-  }
+  for (const std::uint32_t surface : surfaces) count += primitive_count(shapes[surface]);
   std::vector<RTCBuildPrimitive> all;
   all.reserve(count);
   for (const std::uint32_t surface : surfaces) {
-    if (const auto* sphere = std::get_if<Sphere>(&shapes[surface])) {
-      add_primitive(all, box_of(bounds_of(*sphere, 0)), surface, Binary::kBall);
-      continue;
-    }
-    const auto& mesh = std::get<TriangleMesh>(shapes[surface]);
-    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-      Box box;
-      for (const std::uint32_t corner : mesh.triangles[i]) box.add(mesh.vertices[corner]);
-      add_primitive(all, box, surface, i);
-    }
+    const auto add_mesh = [&](const TriangleMesh& mesh) {
+      for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+        Box box;
+        for (const std::uint32_t corner : mesh.triangles[i]) box.add(mesh.vertices[corner]);
+        add_primitive(all, box, surface, i);
+      }
+    };
+    visit_shape(shapes[surface], add_mesh, [&](const Sphere& sphere) {
+      add_primitive(all, box_of(bounds_of(sphere, 0)), surface, Binary::kBall);
+    });
   }
   for (const auto& [instance, box] : instances) {
     add_primitive(all, box_of(box), instance, Binary::kInstance);
@@ -162,10 +159,7 @@ std::vector<RTCBuildPrimitive> primitives_of(std::span<const Shape> shapes,
 
 }  // namespace
 
-bool Tree::can_hold(const Shape& shape) {
-  const auto* mesh = std::get_if<TriangleMesh>(&shape);
-  return mesh != nullptr ? mesh->time_steps == 1 : std::get<Sphere>(shape).later_centres.empty();
-}
+bool Tree::can_hold(const Shape& shape) { return time_steps_of(shape) == 1; }
 
 Tree::Tree(RTCDevice device, std::span<const Shape> shapes, std::span<const std::uint32_t> surfaces,
            std::span<const InstanceBox> instances, std::stop_token stop) {

@@ -19,24 +19,24 @@ constexpr float kSmall = 0.5f;
 
 std::vector<Vec3> points_of(const Shape& shape, std::size_t count) {
   std::vector<Vec3> points;
-  if (const auto* mesh = std::get_if<TriangleMesh>(&shape)) {
-    const std::size_t vertices = mesh->vertex_count(), step = vertices / count + 1;
-    for (std::size_t i = 0; i < vertices; i += step) points.push_back(mesh->vertices[i]);
+  const auto of_mesh = [&](const TriangleMesh& mesh) {
+    const std::size_t vertices = mesh.vertex_count(), step = vertices / count + 1;
+    for (std::size_t i = 0; i < vertices; i += step) points.push_back(mesh.vertices[i]);
     // Corners of a box or a pane are too few for a ball around them.
     const std::vector<Vec3> corners = points;
     while (!points.empty() && points.size() < count / 2) {
       points.insert(points.end(), corners.begin(), corners.end());
     }
-    return points;
-  }
-  const auto& sphere = std::get<Sphere>(shape);
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto step = static_cast<float>(i);
-    const Vec3 out =
-        UniformSphere::sample((step + 0.5f) / static_cast<float>(count), by_golden_ratio(step));
-    points.push_back(
-        (Double3{sphere.x, sphere.y, sphere.z} + sphere.radius * Double3(out)).rounded());
-  }
+  };
+  visit_shape(shape, of_mesh, [&](const Sphere& sphere) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto step = static_cast<float>(i);
+      const Vec3 out =
+          UniformSphere::sample((step + 0.5f) / static_cast<float>(count), by_golden_ratio(step));
+      points.push_back(
+          (Double3{sphere.x, sphere.y, sphere.z} + sphere.radius * Double3(out)).rounded());
+    }
+  });
   return points;
 }
 
