@@ -23,5 +23,19 @@ TEST(CaughtPhotons, WeightsGrowAsTheSquareOfTheNumberOfSurfaces) {
   EXPECT_NEAR(kept, 1.0 / 900.0, 1e-5);
 }
 
+// A path that comes to the end of its rays loses its light without any other taking it over.
+TEST(CaughtPhotons, EndBeforeTheirRaysDo) {
+  PixelSequence numbers(SequenceKind::kIndependent, 1, 0);
+  Group<1> caught{PhotonSequence(numbers, 0)}, many = caught;
+  double of_caught = 1.0, of_many = 1.0;
+  for (std::uint32_t n = 1; n <= PathLimits::kMaxRays; ++n) {
+    caught.depth = caught.caught = many.depth = n;
+    of_caught *= static_cast<double>(survival_of_many(caught));
+    of_many *= static_cast<double>(survival_of_many(many));
+  }
+  EXPECT_LT(of_caught, 1e-10);
+  EXPECT_LT(of_many, 1e-6);
+}
+
 }  // namespace
 }  // namespace nocturne

@@ -45,6 +45,10 @@ struct TracingOptions {
   /// moments wherever it is below 1. A constant survival s has a finite second moment only for
   /// albedos below the square root of s.
   static constexpr std::uint32_t kManyBounces = 100'000;
+  /// From here on both survive with a constant probability, so that one path in 10^10 of those
+  /// caught reaches PathLimits::kMaxRays, which would take its light away: with 1 - 2 / n one in a
+  /// million did. Those that are still caught now get out too rarely for moments to matter.
+  static constexpr std::uint32_t kSteadyFrom = 1u << 17;
 
   /// A photon survives a vertex with probability min(1, H h), times its weight inside the minimum
   /// where roulette_by_weight says so.

@@ -21,13 +21,13 @@ float chance_to_stay(const Batch& batch, const Group<N>& group, Vec3 position) {
 /// What ends photons that roulette by albedo would not, whatever their number of surfaces.
 template <int N>
 float survival_of_many(const Group<N>& group) {
-  const std::uint32_t surfaces = group.depth - group.collisions;
-  const float of_caught = group.caught > TracingOptions::kCaughtAfter
-                              ? 1.0f - 2.0f / static_cast<float>(group.caught)
-                              : 1.0f;
-  return surfaces > TracingOptions::kManyBounces
-             ? std::min(of_caught, 1.0f - 2.0f / static_cast<float>(surfaces))
-             : of_caught;
+  using Options = TracingOptions;
+  const auto after = [](std::uint32_t least, std::uint32_t count) {
+    return count > least ? 1.0f - 2.0f / static_cast<float>(std::min(count, Options::kSteadyFrom))
+                         : 1.0f;
+  };
+  return std::min(after(Options::kCaughtAfter, group.caught),
+                  after(Options::kManyBounces, group.depth - group.collisions));
 }
 
 /// The paper's survival probability is H h. Times the weight that the photon carries, light photons
