@@ -44,7 +44,6 @@ class Asked:
         fault: str = "",
         aims: Sequence[dict[str, Any]] = (),
         learned_light: bytes = b"",
-        hinted: bool = True,
     ) -> None:
         self.asked: list[tuple[list[str], scene_pb2.Tracing]] = []
         self.answer: dict[str, Any] = {
@@ -57,7 +56,6 @@ class Asked:
             "differs_by": 0.38 if fault else 0.0,
             "finds_more": False,
             "aimed": 0.6 if forward else 0.0,
-            "hinted": hinted,
             "unmet": 0.0,
             "unmet_parts": [],
             "aims": list(aims),
@@ -341,29 +339,24 @@ def test_photons_are_aimed_at_what_was_learned(
     assert output.way.startswith("photons from both directions, aimed at what was learned")
 
 
-def test_important_directions_may_be_left_to_photons_from_the_luminaires(
+def test_important_directions_keep_their_weight(
     document: dict[str, Any], blobs: BlobStore, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Unless the document gives them a weight, or nothing else could have it."""
     ball = {"shape": {"type": "sphere", "centre": [0, 0, 2], "radius": 0.5}}
     declared = {**document, "important_directions": [ball]}
-    trace = Asked(monkeypatch, forward=True, hinted=False)
-    output, tracing = compiled(declared, blobs, LARGE)
-    assert "directions, those from the sensor not sent to important directions: 6.2 to" in output.way
+    trace = Asked(monkeypatch, forward=True)
+    _, tracing = compiled(declared, blobs, LARGE)
     [(chosen, asked)] = trace.asked
-    assert chosen == ["direction", "ratio", "aim", "hint", "guide", "sharing"]
+    assert chosen == ["direction", "ratio", "aim", "guide", "sharing"]
     assert (asked.weight_important, asked.weight_luminaires) == (0.175, 0.175)
-    assert (tracing.weight_important, tracing.weight_luminaires) == (0.0, 0.35)
+    assert (tracing.weight_important, tracing.weight_luminaires) == (0.175, 0.175)
     assert tracing.aimed_emission == 0.6
-
-    Asked(monkeypatch, forward=True)
-    assert compiled(declared, blobs, LARGE)[1].weight_important == 0.175
 
     trace = Asked(monkeypatch, forward=True)
     told = {"mixture": {"important": 1}, "aimed_emission": 0.123456789}
     _, tracing = compiled({**declared, "tracing": told}, blobs, LARGE)
-    assert not {"hint", "aim"} & set(trace.asked[0][0])
-    # The pilot tells six digits.
+    assert "aim" not in trace.asked[0][0]
+    # The pilot prints six digits.
     assert tracing.aimed_emission == 0.123456789
     assert tracing.weight_important > 0.5
 

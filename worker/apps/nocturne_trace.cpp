@@ -338,8 +338,7 @@ int run_command(std::vector<std::string> words) {
          "that are open: direction (adjoint photons, or what the scene says), aim (of forward "
          "photons, as the scene says or not), learn (what to aim them at, of a scene that does not "
          "say), ratio (of forward photons to adjoint ones), guide (of adjoint photons, to where "
-         "light was learned to come from), hint (whether adjoint photons are sent towards "
-         "important directions beside forward ones), sharing; and parts (where in "
+         "light was learned to come from), sharing; and parts (where in "
          "the image that way may miss light)")
       ->delimiter(',')
       ->check(CLI::IsMember(kPilotChooses))

@@ -21,7 +21,7 @@ std::string figures_json(const PilotFigures& figures) {
   std::ostringstream json;
   json.precision(6);
   json << "{\"photons\": \"" << kNames[kind.from] << "\", \"sharing\": " << kind.sharing
-       << ", \"aimed\": " << kind.aimed << ", \"hinted\": " << (kind.hinted ? "true" : "false")
+       << ", \"aimed\": " << kind.aimed
        << ", \"guided\": " << (kind.guided ? "true" : "false") << ", \"mean\": " << figures.mean
        << ", \"mean_error\": " << figures.mean_error
        << ", \"relative_mse\": " << figures.relative_mse << ", \"cost\": " << figures.cost << '}';
@@ -126,7 +126,6 @@ void run_pilot_command(const PilotCommand& command, v1::CompiledScene message,
                                                .sharing = open("sharing"),
                                                .ratio = open("ratio"),
                                                .guide = !scene->lights.learned().empty(),
-                                               .hint = open("hint"),
                                                .parts = open("parts"),
                                                .lessons = learned.rays > 0 ? photons : 0.0,
                                                .threads = command.threads});
@@ -139,7 +138,6 @@ void run_pilot_command(const PilotCommand& command, v1::CompiledScene message,
   file << "{\"forward_photons\": "
        << (found.choice.direction != Direction::kAdjoint ? "true" : "false")
        << ", \"aimed\": " << found.choice.aimed
-       << ", \"hinted\": " << (found.choice.hinted ? "true" : "false")
        << ", \"aims\": " << aims_json(found.choice.aimed > 0.0f ? aims : std::vector<Aim>{})
        << ", \"learned_light\": \"" << (found.choice.guided ? to_hex(learned_light) : "") << '"'
        << ", \"sharing\": " << found.choice.sharing

@@ -18,7 +18,7 @@ struct PilotCommand {
 };
 
 inline const std::vector<std::string> kPilotChooses{"direction", "aim",  "learn", "ratio",
-                                                    "guide",     "hint", "parts", "sharing"};
+                                                    "guide",     "parts", "sharing"};
 
 /// A JSON file: what is best, and what each way did. Throws what loading and tracing throw.
 void run_pilot_command(const PilotCommand& command, v1::CompiledScene message,

@@ -43,7 +43,7 @@ def compile_tracing(
         "luminaires": bool(scene.luminaires),
         "environment": has_sky(scene),
         # The learned light is for photons from luminaires alone.
-        "important": bool(scene.important_shapes) and ways.hinted and not ways.aims,
+        "important": bool(scene.important_shapes) and not ways.aims,
     }
     weights = _weights(tracing.mixture, there)
     if not scatters:

@@ -20,7 +20,6 @@ from nocturne_scene.compile.trace_program import run_trace
 from nocturne_scene.compile.unmet import unmet_light, unmet_parts
 from nocturne_scene.document.checks import CAMERAS, MET_BY_PHOTONS
 from nocturne_scene.document.model import SceneDocument
-from nocturne_scene.document.tracing import Mixture
 from nocturne_scene.errors import InputError
 from nocturne_scene.film import Film
 from nocturne_scene.programs import find_program
@@ -72,16 +71,13 @@ class Ways:
     """Where light was found to come from, for photons from the sensor, as in CompiledScene."""
     forward_ratio: float = 1.0
     """Photons from luminaires for each from a pixel, where both directions are traced."""
-    hinted: bool = True
-    """Photons from the sensor are sent towards important directions, by the weight of these."""
 
     def named(self) -> str:
         """In words."""
         shared = f", shared by blocks of {self.sharing} pixels" if self.sharing > 1 else ""
         aimed = ", aimed at what was learned" if self.aims else ""
         guided = f", {GUIDED}" if self.learned_light else ""
-        unhinted = "" if self.hinted else ", those from the sensor not sent to important directions"
-        return f"{_SAID[self.direction]}{self._unequal()}{unhinted}{aimed}{guided}{shared}"
+        return f"{_SAID[self.direction]}{self._unequal()}{aimed}{guided}{shared}"
 
     def _unequal(self) -> str:
         if self.forward_ratio == 1.0 or self.direction != "both":
@@ -141,8 +137,6 @@ def open_ways(
         asked = replace(asked, direction=with_forward, aimed_emission=aimed)
     if small:
         return OpenWays(names, default, asked)
-    if asked.direction == "both" and "direction" in names and _may_lose_hints(tracing.mixture, scene):
-        names.append("hint")
     if tracing.guide == "auto" and asked.direction == "both":
         names.append("guide")
     if tracing.sharing == "auto" and tracing.estimator == "two_photons" and asked.direction != "forward":
@@ -158,11 +152,6 @@ def may_gather(scene: scene_pb2.CompiledScene) -> bool:
     """Whether surfaces may gather light, so that photons from the sensor meet little of it, or none. Which of
     them do is the tracer's to say: its pilot then has nothing to look for."""
     return any(kernel.WhichOneof("model") not in _SPREAD for kernel in scene.kernels)
-
-
-def _may_lose_hints(mixture: Mixture, scene: scene_pb2.CompiledScene) -> bool:
-    """Important directions have a weight that nobody gave, and something else can take it."""
-    return mixture.is_open and bool(scene.important_shapes) and (bool(scene.luminaires) or has_sky(scene))
 
 
 def _forward(document: SceneDocument, scene: scene_pb2.CompiledScene, film: Film) -> str | None:
@@ -202,7 +191,6 @@ def choose(
             learned,
             bytes.fromhex(found["learned_light"]),
             _ratio(found, ways),
-            found["hinted"],
         )
         told = [
             unmet_light(found["unmet"], asked.direction),

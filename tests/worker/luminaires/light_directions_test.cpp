@@ -67,21 +67,6 @@ TEST(LightDirections, AllGroupsAndEachMissing) {
   }
 }
 
-TEST(LightDirections, ImportantShapesMayLeaveTheirWeightToTheOthers) {
-  const LightSamplingContext from{{0.1f, 0, 0}, normalized({0.2f, 0.1f, 1.0f})};
-  LightDirections directions(lamp(), Environment(Spectrum(0.5f)), {}, opening(),
-                             {0.5f, 0.3f, 0.2f});
-  const LightDirections others(lamp(), Environment(Spectrum(0.5f)), {}, {}, {0.5f, 0.3f, 0.2f});
-  const Vec3 to_the_opening = normalized({1.9f, 0, 0.5f});
-  const float before = directions.pdf(from, to_the_opening);
-  directions.set_hints(false);
-  expect_consistent(directions, from);
-  EXPECT_EQ(directions.pdf(from, to_the_opening), others.pdf(from, to_the_opening));
-  EXPECT_LT(directions.pdf(from, to_the_opening), before);
-  directions.set_hints(true);
-  EXPECT_EQ(directions.pdf(from, to_the_opening), before);
-}
-
 // What a drawn direction shows is what a ray meets there: the nearest lamp, and free up to it.
 TEST(LightDirections, ASampleSeesTheNearestLamp) {
   const auto quad = [](float z, float edge) {

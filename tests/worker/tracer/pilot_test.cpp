@@ -196,21 +196,20 @@ TEST(PilotOfMethods, ListsWhatIsOpen) {
   TracingOptions given{};
   given.direction = Direction::kBoth;
   given.aimed_emission = 0.6f;
-  const auto count = [&](bool direction, bool aim, bool guide, bool hint) {
-    return methods_of({direction, aim, guide, hint}, given).size();
+  const auto count = [&](bool direction, bool aim, bool guide) {
+    return methods_of({direction, aim, guide}, given).size();
   };
-  EXPECT_EQ(count(false, false, false, false), 1u);
-  EXPECT_EQ(count(false, true, true, true), 2u);
-  EXPECT_EQ(count(true, false, false, false), 2u);
-  EXPECT_EQ(count(true, true, false, false), 3u);
-  EXPECT_EQ(count(true, true, true, false), 6u);
-  EXPECT_EQ(count(true, true, true, true), 10u);
-  EXPECT_EQ(methods_of({true, true, true, true}, given).front(), kPlain);
+  EXPECT_EQ(count(false, false, false), 1u);
+  EXPECT_EQ(count(false, true, true), 2u);
+  EXPECT_EQ(count(true, false, false), 2u);
+  EXPECT_EQ(count(true, true, false), 3u);
+  EXPECT_EQ(count(true, true, true), 6u);
+  EXPECT_EQ(methods_of({true, true, true}, given).front(), kPlain);
   given.direction = Direction::kForward;
-  EXPECT_EQ(count(true, true, true, false), 4u);
-  EXPECT_EQ(count(false, true, true, true), 1u);
+  EXPECT_EQ(count(true, true, true), 4u);
+  EXPECT_EQ(count(false, true, true), 1u);
   given.direction = Direction::kAdjoint;
-  EXPECT_EQ(count(true, true, true, true), 2u);
+  EXPECT_EQ(count(true, true, true), 2u);
 }
 
 PilotResult pilot(const test::SceneBuilder& builder, bool direction, std::uint32_t samples = 4096) {
@@ -321,32 +320,6 @@ TEST(Pilot, AimsForwardPhotonsWhereThatHelps) {
   EXPECT_EQ(choose(beside_it, 4096).direction, Direction::kBoth);
   // A part that goes astray is so small that it hardly costs anything.
   EXPECT_LT(choose(beside_it, 4096).aimed, 0.9f);
-}
-
-TEST(Pilot, SendsNoAdjointPhotonsTowardsWhatBringsThemNothing) {
-  test::SceneBuilder builder = test::floor_and_lamp(true);
-  add_important_ball(builder, {3, 3, -0.5f}, 0.4);
-  v1::Tracing& tracing = *builder.message.mutable_tracing();
-  tracing.set_weight_kernel(0.1);
-  tracing.set_weight_luminaires(0.1);
-  tracing.set_weight_important(0.8);
-  tracing.set_weight_uniform(0.0);
-  const auto scene = builder.load();
-  PilotRequest request{.film = {64, 48},
-                       .samples = 4096,
-                       .direction = true,
-                       .aim = false,
-                       .sharing = false,
-                       .hint = true,
-                       .threads = 2};
-  const PilotChoice choice = run_pilot(*scene, request).choice;
-  EXPECT_EQ(choice.direction, Direction::kBoth);
-  EXPECT_FALSE(choice.hinted);
-  // The scene is what it was.
-  request.hint = false;
-  EXPECT_TRUE(run_pilot(*scene, request).choice.hinted);
-  const LightSamplingContext floor{{0, -1, 0}, {0, 1, 0}};
-  EXPECT_GT(scene->lights.pdf(floor, normalized({3, 4, -0.5f})), 0.0f);
 }
 
 TEST(Pilot, TracesNoForwardPhotonsWithoutMirrorsAndGlass) {

@@ -39,16 +39,11 @@ LightDirections::LightDirections(Elements luminaires, std::optional<Environment>
   if (luminaires_.empty()) weights_.luminaires = 0.0f;
   if (!(sky > 0.0f)) weights_.environment = 0.0f;
   if (important_.empty()) weights_.important = 0.0f;
-  set_hints(true);
-}
-
-void LightDirections::set_hints(bool kept) {
-  const float important = kept ? weights_.important : 0.0f;
-  const float total = weights_.luminaires + weights_.environment + important;
+  const float total = weights_.luminaires + weights_.environment + weights_.important;
   const float scale = total > 0.0f ? total : 1.0f;
   luminaires_share_ = weights_.luminaires / scale;
   sky_share_ = weights_.environment / scale;
-  important_share_ = important / scale;
+  important_share_ = weights_.important / scale;
 }
 
 std::optional<DrawnDirection> LightDirections::sample(const LightSamplingContext& from,

@@ -69,9 +69,6 @@ class LightDirections {
   bool sample_light(const LightSamplingContext& from, float choice, float u1, float u2,
                     LightSample& light) const;
 
-  /// Important shapes keep their weight, or leave it to the others.
-  void set_hints(bool kept);
-
   /// Half of the directions are drawn from what was learned, where a context has a cell of it.
   void set_learned(LearnedLight learned) { learned_ = std::move(learned); }
   const LearnedLight& learned() const { return learned_; }

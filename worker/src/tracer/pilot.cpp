@@ -37,7 +37,7 @@ class Pilot {
     if (request_.direction && given.direction != Direction::kForward && !scene_.has_mirrors) {
       given.direction = Direction::kAdjoint;
     }
-    methods_ = methods_of({request_.direction, request_.aim, request_.guide, request_.hint}, given);
+    methods_ = methods_of({request_.direction, request_.aim, request_.guide}, given);
     measure_samples();
     best_.method = plain_.method = methods_.front();
     if (methods_.size() > 1) choose_method();
@@ -87,6 +87,7 @@ class Pilot {
       for (const MethodFigures& each : figures) left.push_back(each.method);
     }
     report_faults_of_guides();
+    look_with_and_without_guide();
     const bool all_light = best_.method.sensor && !best_.method.luminaires;
     if (all_light && methods_.back().luminaires) look_for_rare_light();
   }
@@ -115,12 +116,27 @@ class Pilot {
     finds_rare_light_ = true;
   }
 
+  /// What is rare decides on the guide as well: of that light alone, one of both may be much surer.
+  void look_with_and_without_guide() {
+    if (!best_.method.sensor) return;
+    PilotMethod other = best_.method;
+    other.sensor->guided = !other.sensor->guided;
+    if (std::ranges::find(methods_, other) == methods_.end()) return;
+    const float radiance = rare_radiance(mean_, pixels_of(request_.film) * request_.samples);
+    if (!(radiance > 0.0f)) return;
+    const auto rare = [&](const PilotMethod& method) {
+      return mean_and_error(
+          rare_light_by(*method.sensor, scene_, trials_, small_film_, samples_, radiance));
+    };
+    const RareLight light{.by_other = rare(other), .by_best = rare(best_.method)};
+    if (must_be_brought(light, best_.mean.mean)) best_ = compared({other}).front();
+  }
+
   /// Of the methods whose photons from the sensor are as these, that with the most certain light.
   PilotMethod surest_beside(const PhotonKind& sensor) {
     const auto certainty = [&](const PilotMethod& each) {
       if (!each.luminaires) return -1.0;
-      if (each.sensor && (each.sensor->guided != sensor.guided || !each.sensor->hinted))
-        return -1.0;
+      if (each.sensor && each.sensor->guided != sensor.guided) return -1.0;
       const auto [mean, error] = mean_and_error(images_[*each.luminaires]);
       return mean > 0.0 ? mean / error : 0.0;
     };
@@ -184,8 +200,7 @@ class Pilot {
                                                   : 1.0,
                       .gain = 1.0,
                       .finds_more = plain_.misses_light || finds_rare_light_,
-                      .guided = sensor && sensor->guided,
-                      .hinted = !sensor || sensor->hinted};
+                      .guided = sensor && sensor->guided};
     if (!(plain_.product() > 0.0 && beside_plain_.product() > 0.0)) return;
     const GroupErrors plain = plain_.errors_of_groups(), best = beside_plain_.errors_of_groups();
     result_.choice.gain = plain_.product() / beside_plain_.product() * gain_of_sharing_;

@@ -23,8 +23,6 @@ struct PilotRequest {
   bool ratio = false;
   /// Guide: whether adjoint photons go where the scene's learned light comes from.
   bool guide = false;
-  /// Hint: whether adjoint photons are sent towards important shapes beside forward ones.
-  bool hint = false;
   /// Parts: where in the image the way that is chosen may miss light.
   bool parts = false;
   /// Groups of photons that something was learned from before, a part of what the pilot may take.
@@ -47,7 +45,6 @@ struct PilotChoice {
   /// Standard error of the logarithm of `gain`.
   double gain_error = 0.0;
   bool guided = false;
-  bool hinted = true;
 };
 
 struct PilotResult {

@@ -5,14 +5,9 @@
 namespace nocturne {
 namespace {
 
-std::vector<PhotonKind> kinds_from_sensor(PhotonKind::From from, bool guide, bool hint) {
+std::vector<PhotonKind> kinds_from_sensor(PhotonKind::From from, bool guide) {
   std::vector<PhotonKind> kinds{{.from = from}};
   if (guide) kinds.push_back({.from = from, .guided = true});
-  if (!hint) return kinds;
-  for (std::size_t i = 0, hinted = kinds.size(); i < hinted; ++i) {
-    kinds.push_back(kinds[i]);
-    kinds.back().hinted = false;
-  }
   return kinds;
 }
 
@@ -34,13 +29,13 @@ std::vector<PilotMethod> methods_of(const OpenChoices& open, const TracingOption
   }
   const bool all_light = open.direction || given.direction == Direction::kAdjoint;
   const auto from = all_light ? PhotonKind::kSensor : PhotonKind::kSensorOfBoth;
-  for (const PhotonKind& kind : kinds_from_sensor(from, open.guide, false)) {
+  for (const PhotonKind& kind : kinds_from_sensor(from, open.guide)) {
     methods.push_back({kind, std::nullopt});
   }
   if (!open.direction || given.direction == Direction::kAdjoint) return methods;
   std::vector<PhotonKind> of_both;
   if (given.direction == Direction::kBoth) {
-    of_both = kinds_from_sensor(PhotonKind::kSensorOfBoth, open.guide, open.hint);
+    of_both = kinds_from_sensor(PhotonKind::kSensorOfBoth, open.guide);
   }
   for (const PhotonKind& luminaires : kinds_from_luminaires(open, given)) {
     for (const PhotonKind& sensor : of_both) methods.push_back({sensor, luminaires});

@@ -20,9 +20,8 @@ struct PhotonKind {
     kLuminaires,
   };
   From from = kSensor;
-  /// From the sensor: sent to where light was learned to come from; and towards important shapes,
-  /// where there are any.
-  bool guided = false, hinted = true;
+  /// From the sensor: sent to where light was learned to come from.
+  bool guided = false;
   /// From luminaires: the part that is aimed at important shapes.
   float aimed = 0.0f;
   /// Pixels that share what photons from the sensor find.
@@ -40,7 +39,7 @@ struct PilotMethod {
 
 /// What a scene leaves open; PilotRequest has the same in the words of who asks.
 struct OpenChoices {
-  bool direction, aim, guide, hint;
+  bool direction, aim, guide;
 };
 
 /// All methods between which `open` leaves the choice, the plainest first. `given`: as the scene

@@ -30,10 +30,7 @@ std::vector<TileRange> whole(Film film, std::uint32_t end, std::uint32_t first) 
 Trials::Trials(Scene& scene, Film film, unsigned threads)
     : scene_(scene), film_(film), threads_(threads), given_(scene.options) {}
 
-Trials::~Trials() {
-  scene_.options = given_;
-  scene_.lights.set_hints(true);
-}
+Trials::~Trials() { scene_.options = given_; }
 
 Film Trials::reduced(double pixels) const {
   if (pixels >= pixels_of(film_)) return film_;
@@ -81,7 +78,6 @@ PilotImages Trials::images(const PhotonKind& kind, Film film, const std::vector<
   scene_.options.sharing = kind.sharing;
   scene_.options.guide = kind.guided;
   scene_.options.aimed_emission = kind.aimed;
-  scene_.lights.set_hints(kind.hinted);
   const TileRange& any = squares.front();
   PilotImages made{.samples = any.end_sample - any.first_sample, .images = {}};
   for (std::uint32_t image = 0; image < count; ++image) {

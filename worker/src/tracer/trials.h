@@ -15,7 +15,7 @@ double pixels_of(Film film);
 /// All of a film, samples [first, end) of each pixel.
 std::vector<TileRange> whole(Film film, std::uint32_t end, std::uint32_t first = 0);
 
-/// Counts what its images take. The options and hints of the scene change meanwhile, and are what
+/// Counts what its images take. The options of the scene change meanwhile, and are what
 /// they were when it is destroyed.
 class Trials {
  public:
