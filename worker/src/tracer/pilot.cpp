@@ -1,6 +1,7 @@
 #include "tracer/pilot.h"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <optional>
 #include <utility>
@@ -24,6 +25,9 @@ constexpr double kPartOfSmall = 0.2, kLeastRays = 0.25e6, kEnoughRays = 2e6;
 constexpr std::uint32_t kSamples = 16, kMostSamples = 256, kMoreSamples = 4;
 /// Of all rounds, where half the methods go on after each: that of the first times this, about.
 constexpr double kRounds = 10.0;
+/// Part of the mean from which gathered light counts; how many times more often photons must find
+/// it with a guide, or how many times less their variance must be; and as many finds as tell.
+constexpr double kCounts = 1e-3, kGuidePays = 4.0, kEnoughFinds = 16.0;
 /// Part of its samples with which a pilot tries sharing.
 constexpr double kForSharing = 1.0 / 3;
 
@@ -40,6 +44,8 @@ class Pilot {
     methods_ = methods_of({request_.direction, request_.aim, request_.guide}, given);
     measure_samples();
     best_.method = plain_.method = methods_.front();
+    choose_film();
+    if (request_.guide) choose_guide();
     if (methods_.size() > 1) choose_method();
     if (request_.sharing && best_.method.sensor) choose_sharing();
     choose();
@@ -68,12 +74,51 @@ class Pilot {
     budget_ = std::max(0.0, std::min(part, kMostRays) / rays - request_.lessons);
   }
 
+  /// A small one, so that all rounds and the look at guides keep to the budget.
+  void choose_film() {
+    if (methods_.size() == 1) return;
+    const double rounds = kRounds * kSamples * static_cast<double>(kinds_of(methods_).size());
+    const double samples = rounds + (request_.guide ? 2.0 * kMostSamples : 0.0);
+    small_film_ = trials_.reduced((1.0 - kForSharing) * budget_ / (Trials::kImages * samples));
+  }
+
+  /// A guide helps photons from the sensor to what mirrors and glass gather and no photon from a
+  /// luminaire brings, and costs time everywhere else. That light alone decides: whether more of it
+  /// is met, or it is found more often, or with less variance. Errors of a few images don't show
+  /// what hardly any photon finds.
+  void choose_guide() {
+    const auto& any = methods_.back().sensor ? methods_.back() : methods_.front();
+    if (!any.sensor) return;
+    PhotonKind plain = *any.sensor, guided = plain;
+    plain.guided = false;
+    guided.guided = true;
+    const auto range = whole(small_film_, std::min(kMostSamples, request_.samples));
+    scene_.options.gathered = TracingOptions::Gathered::kMet;
+    scene_.options.least_radiance = std::numeric_limits<float>::min();  // no media that glow
+    const PilotImages before = trials_.images(plain, small_film_, range),
+                      after = trials_.images(guided, small_film_, range);
+    scene_.options.gathered = trials_.given().gathered;
+    scene_.options.least_radiance = trials_.given().least_radiance;
+    const auto means = means_of_images(before), means_guided = means_of_images(after);
+    const auto [found, error] = mean_and_error(after);
+    const double certain = mean_and_error(before).error / error,
+                 often = finds_of(after) / finds_of(before);
+    const bool pays =
+        found > kCounts * mean_ && finds_of(after) > kEnoughFinds &&
+        (is_more(means_guided, means) || often > kGuidePays || certain * certain > kGuidePays);
+    std::erase_if(methods_, [&](const PilotMethod& each) {
+      return each.sensor && (pays ? each.sensor->from == plain.from && !each.sensor->guided &&
+                                        each != methods_.front()
+                                  : each.sensor->guided);
+    });
+    if (!is_more(means, means_guided, kFault)) return;
+    result_.fault = PilotResult::Fault::kGuided;
+    result_.differs_by = found / mean_and_error(before).mean - 1.0;
+  }
+
   /// Successive halving: in each round, half as many methods have four times the samples.
   void choose_method() {
     std::vector<PilotMethod> left = methods_;
-    const auto kinds = static_cast<double>(kinds_of(left).size());
-    const double samples = kRounds * Trials::kImages * kSamples * kinds;
-    small_film_ = trials_.reduced((1.0 - kForSharing) * budget_ / samples);
     for (samples_ = kSamples;; samples_ *= kMoreSamples) {
       std::vector<MethodFigures> figures = compared(left);
       std::ranges::stable_sort(figures, is_better);
@@ -86,8 +131,6 @@ class Pilot {
       left.clear();
       for (const MethodFigures& each : figures) left.push_back(each.method);
     }
-    report_faults_of_guides();
-    look_with_and_without_guide();
     const bool all_light = best_.method.sensor && !best_.method.luminaires;
     if (all_light && methods_.back().luminaires) look_for_rare_light();
   }
@@ -116,22 +159,6 @@ class Pilot {
     finds_rare_light_ = true;
   }
 
-  /// What is rare decides on the guide as well: of that light alone, one of both may be much surer.
-  void look_with_and_without_guide() {
-    if (!best_.method.sensor) return;
-    PilotMethod other = best_.method;
-    other.sensor->guided = !other.sensor->guided;
-    if (std::ranges::find(methods_, other) == methods_.end()) return;
-    const float radiance = rare_radiance(mean_, pixels_of(request_.film) * request_.samples);
-    if (!(radiance > 0.0f)) return;
-    const auto rare = [&](const PilotMethod& method) {
-      return mean_and_error(
-          rare_light_by(*method.sensor, scene_, trials_, small_film_, samples_, radiance));
-    };
-    const RareLight light{.by_other = rare(other), .by_best = rare(best_.method)};
-    if (must_be_brought(light, best_.mean.mean)) best_ = compared({other}).front();
-  }
-
   /// Of the methods whose photons from the sensor are as these, that with the most certain light.
   PilotMethod surest_beside(const PhotonKind& sensor) {
     const auto certainty = [&](const PilotMethod& each) {
@@ -141,20 +168,6 @@ class Pilot {
       return mean > 0.0 ? mean / error : 0.0;
     };
     return *std::ranges::max_element(methods_, {}, certainty);
-  }
-
-  void report_faults_of_guides() {
-    for (const auto& [kind, images] : images_) {
-      PhotonKind guided = kind;
-      guided.guided = true;
-      const auto found = images_.find(guided);
-      if (kind.guided || found == images_.end()) continue;
-      if (found->second.samples != images.samples) continue;
-      const auto before = means_of_images(images), after = means_of_images(found->second);
-      if (!is_more(before, after, kFault)) continue;
-      result_.fault = PilotResult::Fault::kGuided;
-      result_.differs_by = mean_and_error(after).mean / mean_and_error(before).mean - 1.0;
-    }
   }
 
   void choose_sharing() {

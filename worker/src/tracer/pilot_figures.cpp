@@ -122,6 +122,19 @@ double rays_of(const PilotImages& images) {
   return rays;
 }
 
+double finds_of(const PilotImages& images) {
+  double finds = 0.0;
+  for (const auto& image : images.images) {
+    for (const TileSums& sums : image) {
+      for (std::size_t at = 0; at < sums.sums.size(); at += sums.channels) {
+        const double y = sums.sums[at + 1], squares = sums.sums[at + TileSums::kXyzValues];
+        if (squares > 0.0) finds += y * y / squares;
+      }
+    }
+  }
+  return finds;
+}
+
 std::vector<double> light_around(const std::vector<double>& light, const PilotImages& like) {
   std::vector<double> around;
   std::size_t square = 0;

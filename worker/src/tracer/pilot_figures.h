@@ -54,6 +54,11 @@ std::vector<PixelLight> light_of_pixels(const PilotImages& images);
 
 double rays_of(const PilotImages& images);
 
+/// Samples that found light, as many as were equally bright: (sum of Y)^2 / sum of Y^2 in each
+/// pixel of each image (Kish 1965, "Survey Sampling", section 11.7). However bright, one counts as
+/// one.
+double finds_of(const PilotImages& images);
+
 /// Of each image another, of the same squares.
 void subtract(PilotImages& from, const PilotImages& others);
 /// Of each image further samples, of the same squares.

@@ -25,29 +25,29 @@ constexpr double kRareMissed = 2.5;
 bool is_unseen(const MeanLight& light) { return light.mean == 0.0 && light.error == 0.0; }
 
 bool is_certain(const RareLight& light) {
-  const auto& [other, best] = light;
-  return other.mean > 0.0 && other.mean >= (is_unseen(best) ? kSeen : kSure) * other.error;
+  const auto& [forward, adjoint] = light;
+  return forward.mean > 0.0 && forward.mean >= (is_unseen(adjoint) ? kSeen : kSure) * forward.error;
 }
 
 }  // namespace
 
 bool must_be_brought(const RareLight& light, double mean) {
-  const auto& [other, best] = light;
+  const auto& [forward, adjoint] = light;
   // Light that photons from a luminaire found is there, however few they were.
-  if (is_unseen(best)) return other.mean > kCounts * mean;
-  const double more = other.mean - best.mean;
-  const bool differ = more > kRareMissed * math::hypot(other.error, best.error);
-  const bool less_certain = best.error > kMuchLessCertain * other.error;
+  if (is_unseen(adjoint)) return forward.mean > kCounts * mean;
+  const double more = forward.mean - adjoint.mean;
+  const bool differ = more > kRareMissed * math::hypot(forward.error, adjoint.error);
+  const bool less_certain = adjoint.error > kMuchLessCertain * forward.error;
   return (differ && more > kCounts * mean) ||
-         (is_certain(light) && less_certain && other.mean > kCounts * mean);
+         (is_certain(light) && less_certain && forward.mean > kCounts * mean);
 }
 
 double may_be_missing(const RareLight& light, double mean) {
-  const auto& [other, best] = light;
-  const double more = other.mean - best.mean;
-  const bool differ = more > kStandardErrors * math::hypot(other.error, best.error);
-  if (!(mean > 0.0 && other.mean > 0.0) || (is_certain(light) && !differ)) return 0.0;
-  return std::max(0.0, more + kStandardErrors * other.error) / mean;
+  const auto& [forward, adjoint] = light;
+  const double more = forward.mean - adjoint.mean;
+  const bool differ = more > kStandardErrors * math::hypot(forward.error, adjoint.error);
+  if (!(mean > 0.0 && forward.mean > 0.0) || (is_certain(light) && !differ)) return 0.0;
+  return std::max(0.0, more + kStandardErrors * forward.error) / mean;
 }
 
 double may_be_unmet(const MeanLight& by_luminaires, const MeanLight& met, double mean) {
@@ -61,31 +61,28 @@ float rare_radiance(double mean, double samples) {
                                      static_cast<double>(std::numeric_limits<float>::max())));
 }
 
-PilotImages rare_light_by(const PhotonKind& kind, Scene& scene, Trials& trials, Film film,
-                          std::uint32_t samples, float radiance) {
-  const float before = std::exchange(scene.options.least_radiance, radiance);
-  PilotImages images = trials.images(kind, film, whole(film, samples));
-  scene.options.least_radiance = before;
-  return images;
-}
-
 std::optional<RareLight> find_rare_light(Scene& scene, Trials& trials, const PhotonKind& luminaires,
                                          const PhotonKind& sensor, Film film, std::uint32_t samples,
                                          float radiance) {
   if (!(radiance > 0.0f)) return std::nullopt;
+  const float before = std::exchange(scene.options.least_radiance, radiance);
   const auto met = [&](const PhotonKind& kind) {
-    return rare_light_by(kind, scene, trials, film, samples, radiance);
+    return trials.images(kind, film, whole(film, samples));
   };
+  std::optional<RareLight> light;
   const PilotImages forward = met(luminaires);
-  if (!(rays_of(forward) > 0.0)) return std::nullopt;
-  RareLight light{.by_other = mean_and_error(forward), .by_best = {}};
-  if (!(light.by_other.mean > 0.0)) return light;
-  PilotImages left = met(sensor);
-  // By the same numbers, so that what both have in common is none of the difference.
-  PhotonKind of_both = sensor;
-  of_both.from = PhotonKind::kSensorOfBoth;
-  if (trials.given().direction == Direction::kBoth) subtract(left, met(of_both));
-  light.by_best = mean_and_error(left);
+  if (rays_of(forward) > 0.0) {
+    light.emplace().by_forward = mean_and_error(forward);
+    if (light->by_forward.mean > 0.0) {
+      PilotImages left = met(sensor);
+      // By the same numbers, so that what both have in common is none of the difference.
+      PhotonKind of_both = sensor;
+      of_both.from = PhotonKind::kSensorOfBoth;
+      if (trials.given().direction == Direction::kBoth) subtract(left, met(of_both));
+      light->by_adjoint = mean_and_error(left);
+    }
+  }
+  scene.options.least_radiance = before;
   return light;
 }
 

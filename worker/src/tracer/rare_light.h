@@ -14,19 +14,19 @@ constexpr double kSure = 5.0;
 /// up to which there may be more.
 constexpr double kStandardErrors = 2.0;
 
-/// The same light as photons of the method that seems best met it, and photons of another kind: from
-/// luminaires, or with the other answer on guiding.
+/// What photons from both ends met of it. That of the luminaires is what they would bring; that of
+/// the sensor is the same light, where these have to bring it.
 struct RareLight {
-  MeanLight by_other, by_best;
+  MeanLight by_forward, by_adjoint;
 };
 
-/// Whether the others bring so much of it that the best did not meet, or met in much rarer finds: a
-/// part of the image's mean that counts. Where the best met nothing at all any find is enough: both
-/// are right in any case, and their errors say how rare it is.
+/// Whether forward photons bring so much of it that others did not meet, or met in much rarer
+/// finds: a part of the image's mean that counts. Where the others met nothing at all any find is
+/// enough: both directions are right in any case, and their errors say how rare it is.
 bool must_be_brought(const RareLight& light, double mean);
 
-/// How much of it may be missing at most (two standard errors) where the best bring it, in parts of
-/// the image's mean; 0 where both are as certain that they agree.
+/// How much of it may be missing at most (two standard errors) where photons from the sensor bring
+/// it, in parts of the image's mean; 0 where both are as certain that they agree.
 double may_be_missing(const RareLight& light, double mean);
 
 /// Y of a radiance of 1 at all wavelengths: 683 lm/W, and the integral of the CIE 1931 observer's
@@ -37,10 +37,6 @@ constexpr double kLuminanceOfOne = 683.0 * 106.857;
 /// W m-2 sr-1 nm-1: one sample that finds it is 1e-4 of the mean, so that a hundredth of the light
 /// rests on a hundred finds.
 float rare_radiance(double mean, double samples);
-
-/// Images of the light from that radiance on.
-PilotImages rare_light_by(const PhotonKind& kind, Scene& scene, Trials& trials, Film film,
-                          std::uint32_t samples, float radiance);
 
 /// `luminaires`: photons that would bring it; `sensor`: those that meet it otherwise. Empty where
 /// nothing shines so brightly.
