@@ -49,8 +49,13 @@ void expect_consistent(const LightDirections& directions, const LightSamplingCon
 std::optional<LightDirections::LightSample> sample_light(const LightDirections& directions,
                                                          const LightSamplingContext& from,
                                                          const Uniform4& u) {
-  LightDirections::LightSample light;
-  if (!directions.sample_light(from, u[0], u[1], u[2], light)) return std::nullopt;
+  LightDirections::LightSample light, in_two_steps;
+  const bool found = directions.sample_light(from, u[0], u[1], u[2], {}, light);
+  const auto begun = directions.begin_light(from, u[0], u[1], u[2]);
+  EXPECT_EQ(directions.sample_light(from, u[0], u[1], u[2], begun, in_two_steps), found);
+  if (!found) return std::nullopt;
+  EXPECT_EQ(in_two_steps.direction, light.direction);
+  EXPECT_EQ(in_two_steps.pdf, light.pdf);
   return light;
 }
 

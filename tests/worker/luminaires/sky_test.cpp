@@ -94,11 +94,13 @@ TEST(Environment, MapSamplesMatchPdf) {
   }
 }
 
-// A direction comes with the density of its place, but where rounding moves it across a texel's edge.
+// Density and radiance come with a direction as its own place has them, but where rounding moves
+// it across a texel's edge.
 TEST(Environment, WhatIsDrawnIsWhatIsThere) {
   const Environment map(make_map(
       203, 64, [](std::uint32_t r, std::uint32_t c) { return 1.0 + (7 * r + 13 * c) % 11; })),
       constant(Spectrum(0.7f));
+  const Spectral<1> nm(550.0f);
   for (const Environment* e : {&map, &constant}) {
     for (const Vec3 n : {Vec3{0, 0, 1}, Vec3{-1, 0, 0}, normalized({1, 1, 0.4f})}) {
       int drawn = 0, others = 0;
@@ -107,7 +109,8 @@ TEST(Environment, WhatIsDrawnIsWhatIsThere) {
         const auto it = e->draw({{}, n}, u[0], u[1], u[2]);
         if (!it) continue;
         ++drawn;
-        others += it->pdf != e->pdf({{}, n}, it->direction);
+        others += it->pdf != e->pdf({{}, n}, it->direction) ||
+                  e->radiance(*it, nm)[0] != e->radiance(it->direction, nm)[0];
       }
       EXPECT_GT(drawn, 4000);
       EXPECT_LT(others, 10);

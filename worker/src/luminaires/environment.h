@@ -25,10 +25,35 @@ class Environment {
 
   HiddenFrom hidden_from = HiddenFrom::kNobody;
 
+  /// Where in it a direction is.
+  using Place = EnvironmentMap::Place;
+  Place place_of(Vec3 direction) const {
+    const auto* map = std::get_if<EnvironmentMap>(&radiance_);
+    return map ? map->place_of(direction) : Place{};
+  }
+  /// The same, and what is there will be asked for.
+  Place expect(Vec3 direction) const {
+    const auto* map = std::get_if<EnvironmentMap>(&radiance_);
+    return map ? map->expect(direction) : Place{};
+  }
+
+  template <int N>
+  Spectral<N> radiance(Place place, const Spectral<N>& wavelengths) const {
+    if (const auto* map = std::get_if<EnvironmentMap>(&radiance_)) {
+      return map->radiance(map->number(place), wavelengths);
+    }
+    return std::get<Spectrum>(radiance_)(wavelengths);
+  }
+
   template <int N>
   Spectral<N> radiance(Vec3 direction, const Spectral<N>& wavelengths) const {
+    return radiance(place_of(direction), wavelengths);
+  }
+  /// The same of what was drawn, without a look at where that is.
+  template <int N>
+  Spectral<N> radiance(const Drawn& drawn, const Spectral<N>& wavelengths) const {
     if (const auto* map = std::get_if<EnvironmentMap>(&radiance_)) {
-      return map->radiance(direction, wavelengths);
+      return map->radiance(drawn.texel, wavelengths);
     }
     return std::get<Spectrum>(radiance_)(wavelengths);
   }
@@ -46,7 +71,7 @@ class Environment {
     const Vec3 direction =
         Frame(behind ? -from.normal : from.normal).to_world(CosineHemisphere::sample(u1, u2));
     if (!from.sees(direction)) return std::nullopt;
-    return Drawn{direction, pdf(from, direction)};
+    return Drawn{direction, pdf(from, direction, {}), 0};
   }
 
   /// For a photon that starts there, whatever it will meet: a constant from all sides alike, as by
@@ -56,13 +81,29 @@ class Environment {
     if (const auto* map = std::get_if<EnvironmentMap>(&radiance_)) {
       return map->draw({.position = {}, .normal = {0.0f, 0.0f, 1.0f}, .both_sides = true}, u1, u2);
     }
-    return Drawn{UniformSphere::sample(u1, u2), UniformSphere::pdf()};
+    return Drawn{UniformSphere::sample(u1, u2), UniformSphere::pdf(), 0};
+  }
+
+  /// A draw whose first half is done; empty where there is no map, or nothing in it.
+  using Draft = EnvironmentMap::Draft;
+  std::optional<Draft> begin(const LightSamplingContext& from, float u1, float u2) const {
+    const auto* map = mean_ > 0.0 ? std::get_if<EnvironmentMap>(&radiance_) : nullptr;
+    if (!map) return std::nullopt;
+    return map->begin(from, u1, u2);
+  }
+  std::optional<Drawn> finish(const LightSamplingContext& from, const Draft& draft) const {
+    return std::get<EnvironmentMap>(radiance_).finish(from, draft);
   }
 
   /// Density of `draw`, 1/sr.
   float pdf(const LightSamplingContext& from, Vec3 direction) const {
+    return pdf(from, direction, place_of(direction));
+  }
+  /// The same, for a direction in this place.
+  float pdf(const LightSamplingContext& from, Vec3 direction, Place place) const {
     if (!(mean_ > 0.0)) return 0.0f;
-    if (const auto* map = std::get_if<EnvironmentMap>(&radiance_)) return map->pdf(from, direction);
+    if (const auto* map = std::get_if<EnvironmentMap>(&radiance_))
+      return map->pdf(from, direction, place);
     const float cosine = dot(from.normal, direction);
     if (from.both_sides) return 0.5f * kInvPi * std::fabs(cosine);
     return kInvPi * std::max(0.0f, cosine);

@@ -80,19 +80,14 @@ std::uint32_t bisect(std::uint32_t low, std::uint32_t high, std::uint64_t target
 // Sums are far below 2^63, where signed numbers take one instruction.
 double number_of(std::uint64_t sum) { return static_cast<double>(static_cast<std::int64_t>(sum)); }
 
-// A uniform number in whole sums, and what lies left of it.
-struct Target {
-  double exact;
-  std::uint64_t whole;
-};
-Target target_of(float u, std::uint64_t total) {
+EnvironmentMap::Target target_of(float u, std::uint64_t total) {
   const double exact = u * number_of(total);
   const auto whole = static_cast<std::uint64_t>(static_cast<std::int64_t>(exact));
   return {exact, std::min(whole, total - 1)};
 }
 
 // Where it is in the cell that it fell into.
-double inside(const Target& target, std::uint64_t before, std::uint64_t cell) {
+double inside(const EnvironmentMap::Target& target, std::uint64_t before, std::uint64_t cell) {
   return std::clamp((target.exact - number_of(before)) / number_of(cell), 0.0, 1.0);
 }
 
@@ -168,13 +163,13 @@ std::uint32_t EnvironmentMap::row_at(const Window& w, std::uint64_t target) cons
                         sums_of_rows_.data(), from_top);
 }
 
-std::uint32_t EnvironmentMap::texel_at(Vec3 direction) const {
+EnvironmentMap::Place EnvironmentMap::place_of(Vec3 direction) const {
   const Vec3 in_map = to_map(direction);
   const float row = 0.5f * (1.0f - in_map.z) * static_cast<float>(rows_);
   const float turn = math::atan2(in_map.y, in_map.x) * (0.5f * kInvPi);
   const float column = (turn < 0.0f ? turn + 1.0f : turn) * static_cast<float>(columns_);
-  return std::min(static_cast<std::uint32_t>(std::max(row, 0.0f)), rows_ - 1) * columns_ +
-         std::min(static_cast<std::uint32_t>(column), columns_ - 1);
+  return {std::min(static_cast<std::uint32_t>(std::max(row, 0.0f)), rows_ - 1),
+          std::min(static_cast<std::uint32_t>(column), columns_ - 1)};
 }
 
 // The hemisphere above a tilted plane reaches in z from -sin(tilt) to the pole. Only for a vertical
@@ -206,54 +201,64 @@ EnvironmentMap::Window EnvironmentMap::window(const LightSamplingContext& from) 
   return window;
 }
 
-std::optional<EnvironmentMap::Drawn> EnvironmentMap::draw(const LightSamplingContext& from,
-                                                          float u1, float u2) const {
+EnvironmentMap::Draft EnvironmentMap::begin(const LightSamplingContext& from, float u1,
+                                            float u2) const {
+  Draft draft{};
   const Window w = window(from);
-  const std::uint64_t total = weight(w);
-  if (total == 0) return std::nullopt;
-  const Target down = target_of(u1, total);
-  const std::uint32_t row = row_at(w, down.whole);
-  const std::uint64_t above = weight({w.row0, row, w.strip0, w.strips});
-  const std::uint64_t row_weight = weight({row, row + 1, w.strip0, w.strips});
-  const double z = 1.0 - row_height_ * (row + inside(down, above, row_weight));
+  draft.total = weight(w);
+  if (draft.total == 0) return draft;
+  const Target down = target_of(u1, draft.total);
+  draft.row = row_at(w, down.whole);
+  const std::uint64_t above = weight({w.row0, draft.row, w.strip0, w.strips});
+  const std::uint64_t row_weight = weight({draft.row, draft.row + 1, w.strip0, w.strips});
+  draft.z = 1.0 - row_height_ * (draft.row + inside(down, above, row_weight));
 
   // From the map's edge, around the back if need be.
-  const Target across = target_of(u2, row_weight);
-  const std::uint64_t* left = left_of(row);
-  const std::uint64_t before = w.strip0 == 0 ? 0 : left[w.strip0 * strip_columns_];
-  const std::uint64_t all = sums_of_rows_[row + 1] - sums_of_rows_[row];
-  const std::uint64_t around = across.whole + before >= all ? all : 0;
-  const std::uint64_t from_edge = across.whole + before - around;
+  draft.across = target_of(u2, row_weight);
+  const std::uint64_t* left = left_of(draft.row);
+  draft.before = w.strip0 == 0 ? 0 : left[w.strip0 * strip_columns_];
+  const std::uint64_t all = sums_of_rows_[draft.row + 1] - sums_of_rows_[draft.row];
+  draft.around = draft.across.whole + draft.before >= all ? all : 0;
+  const std::uint64_t from_edge = draft.across.whole + draft.before - draft.around;
+  draft.columns = guide_of_columns_.range(draft.row, all, from_edge);
+  __builtin_prefetch(left + draft.columns.first + draft.columns.count / 2);
+  return draft;
+}
+
+std::optional<EnvironmentMap::Drawn> EnvironmentMap::finish(const LightSamplingContext& from,
+                                                            const Draft& draft) const {
+  if (draft.total == 0) return std::nullopt;
+  const std::uint64_t* left = left_of(draft.row);
   const std::uint32_t column =
-      SumGuide::find(guide_of_columns_.range(row, all, from_edge), left, from_edge);
+      SumGuide::find(draft.columns, left, draft.across.whole + draft.before - draft.around);
+  const std::uint32_t texel = number({draft.row, column});
+  __builtin_prefetch(&texels_[texel]);
   const std::uint64_t share = left[column + 1] - left[column];
 
-  const double in_texel = inside(across, left[column] + around - before, share);
+  const double in_texel = inside(draft.across, left[column] + draft.around - draft.before, share);
   const auto phi = static_cast<float>(column_width_ * (column + in_texel));
-  const double r = std::sqrt(std::max(0.0, (1.0 - z) * (1.0 + z)));
+  const double r = std::sqrt(std::max(0.0, (1.0 - draft.z) * (1.0 + draft.z)));
   const Vec3 direction = static_cast<float>(r) * math::cos(phi) * axes_.x +
                          static_cast<float>(r) * math::sin(phi) * axes_.y +
-                         static_cast<float>(z) * axes_.z;
+                         static_cast<float>(draft.z) * axes_.z;
   if (!from.sees(direction)) return std::nullopt;
-  return Drawn{direction, density(share, total)};
+  return Drawn{direction, density(share, draft.total), texel};
 }
 
 float EnvironmentMap::density(std::uint64_t share, std::uint64_t total) const {
   return static_cast<float>(number_of(share) / number_of(total) * texels_per_steradian_);
 }
 
-float EnvironmentMap::pdf(const LightSamplingContext& from, Vec3 direction) const {
+float EnvironmentMap::pdf(const LightSamplingContext& from, Vec3 direction, Place place) const {
   if (!from.sees(direction)) return 0.0f;
   const Window w = window(from);
-  const std::uint32_t texel = texel_at(direction), row = texel / columns_;
-  const std::uint32_t column = texel - row * columns_;
-  if (row < w.row0 || row >= w.row1) return 0.0f;
-  const std::uint32_t strip = column / strip_columns_;
+  if (place.row < w.row0 || place.row >= w.row1) return 0.0f;
+  const std::uint32_t strip = place.column / strip_columns_;
   const std::uint32_t turned = strip + (strip < w.strip0 ? strips_ : 0);
   if (turned - w.strip0 >= w.strips) return 0.0f;
   const std::uint64_t total = weight(w);
   if (total == 0) return 0.0f;
-  const std::uint64_t* left = left_of(row) + column;
+  const std::uint64_t* left = left_of(place.row) + place.column;
   return density(left[1] - left[0], total);
 }
 

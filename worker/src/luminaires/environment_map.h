@@ -42,10 +42,25 @@ class EnvironmentMap {
   EnvironmentMap(std::uint32_t columns, std::uint32_t rows, std::vector<Texel> texels,
                  Spectrum spectrum, Axes axes);
 
-  /// W m-2 sr-1 nm-1.
+  struct Place {
+    std::uint32_t row, column;
+  };
+  /// What is in the unit direction.
+  Place place_of(Vec3 direction) const;
+  /// The same, whose radiance and density will be asked for: memory is asked for them now, as a map
+  /// is larger than most caches.
+  Place expect(Vec3 direction) const {
+    const Place place = place_of(direction);
+    __builtin_prefetch(&texels_[number(place)]);
+    __builtin_prefetch(left_of(place.row) + place.column);
+    return place;
+  }
+  std::uint32_t number(Place at) const { return at.row * columns_ + at.column; }
+
+  /// W m-2 sr-1 nm-1, the same all over this texel.
   template <int N>
-  Spectral<N> radiance(Vec3 direction, const Spectral<N>& wavelengths) const {
-    const auto& [scale, c0, c1, c2] = texels_[texel_at(direction)];
+  Spectral<N> radiance(std::uint32_t texel, const Spectral<N>& wavelengths) const {
+    const auto& [scale, c0, c1, c2] = texels_[texel];
     if (scale == 0.0f) return 0.0f;
     const SigmoidSpectrum shape{c0, c1, c2};
     return scale * (shape(wavelengths) * spectrum_(wavelengths));
@@ -54,17 +69,37 @@ class EnvironmentMap {
   /// Over all directions and visible wavelengths.
   double mean_radiance() const { return mean_radiance_; }
 
+  /// A direction, its density, 1/sr, and the texel that it is in.
   struct Drawn {
     Vec3 direction;
-    /// 1/sr.
     float pdf;
+    std::uint32_t texel;
   };
   /// A unit direction that `from` sees. Empty where all that it sees is black, and where the drawn
   /// one is below the horizon after all (the window is a rectangle of whole strips).
-  std::optional<Drawn> draw(const LightSamplingContext& from, float u1, float u2) const;
+  std::optional<Drawn> draw(const LightSamplingContext& from, float u1, float u2) const {
+    return finish(from, begin(from, u1, u2));
+  }
 
-  /// Density of `draw`, 1/sr.
-  float pdf(const LightSamplingContext& from, Vec3 direction) const;
+  /// A uniform number in whole sums, and what lies left of it.
+  struct Target {
+    double exact;
+    std::uint64_t whole;
+  };
+  /// Half of a draw, up to where memory must be waited for.
+  struct Draft {
+    std::uint64_t total;  // of the window; 0: nothing there
+    double z;
+    std::uint32_t row;
+    Target across;
+    std::uint64_t before, around;  // that the row's sums differ by
+    SumGuide::Range columns;
+  };
+  Draft begin(const LightSamplingContext& from, float u1, float u2) const;
+  std::optional<Drawn> finish(const LightSamplingContext& from, const Draft& draft) const;
+
+  /// Density of `draw`, 1/sr, for a direction in this place.
+  float pdf(const LightSamplingContext& from, Vec3 direction, Place place) const;
 
  private:
   // Rows [row0, row1) and `strips` strips of columns from strip0 on, around the back if need be.
@@ -72,8 +107,6 @@ class EnvironmentMap {
     std::uint32_t row0, row1, strip0, strips;
   };
 
-  // By row.
-  std::uint32_t texel_at(Vec3 direction) const;
   Vec3 to_map(Vec3 v) const { return {dot(v, axes_.x), dot(v, axes_.y), dot(v, axes_.z)}; }
   // Of a texel with this share of what is drawn.
   float density(std::uint64_t share, std::uint64_t total) const;

@@ -48,9 +48,17 @@ LightDirections::LightDirections(Elements luminaires, std::optional<Environment>
 
 std::optional<DrawnDirection> LightDirections::sample(const LightSamplingContext& from,
                                                       float choice, float u1, float u2) const {
-  if (from.learned == LearnedLight::kNone) return sample_declared(from, choice, u1, u2);
+  FromEnvironment drawn;
+  return sample(from, choice, u1, u2, drawn);
+}
+
+std::optional<DrawnDirection> LightDirections::sample(const LightSamplingContext& from,
+                                                      float choice, float u1, float u2,
+                                                      FromEnvironment& drawn) const {
+  if (from.learned == LearnedLight::kNone) return sample_declared(from, choice, u1, u2, drawn);
   if (choice >= kLearned) {
-    auto declared = sample_declared(from, stretched(choice, kLearned, 1.0f - kLearned), u1, u2);
+    auto declared =
+        sample_declared(from, stretched(choice, kLearned, 1.0f - kLearned), u1, u2, drawn);
     if (declared) declared->pdf *= 1.0f - kLearned;
     return declared;
   }
@@ -59,16 +67,17 @@ std::optional<DrawnDirection> LightDirections::sample(const LightSamplingContext
   return DrawnDirection{direction, 0.0f};
 }
 
-float LightDirections::pdf(const LightSamplingContext& from, Vec3 direction) const {
-  const float declared = declared_pdf(from, direction);
+float LightDirections::pdf(const LightSamplingContext& from, Vec3 direction,
+                           const SkyPlace& place) const {
+  const float declared = declared_pdf(from, direction, place);
   if (from.learned == LearnedLight::kNone) return declared;
   const float learned = from.sees(direction) ? learned_.pdf(from.learned, direction) : 0.0f;
   return kLearned * learned + (1.0f - kLearned) * declared;
 }
 
 std::optional<DrawnDirection> LightDirections::sample_declared(const LightSamplingContext& from,
-                                                               float choice, float u1,
-                                                               float u2) const {
+                                                               float choice, float u1, float u2,
+                                                               FromEnvironment& drawn) const {
   const auto towards = [&](const LuminaireDirections& elements, float part, float share) {
     auto found = elements.sample(from, part, u1, u2);
     if (found) found->pdf *= share;
@@ -79,7 +88,8 @@ std::optional<DrawnDirection> LightDirections::sample_declared(const LightSampli
   }
   const float before_important = luminaires_share_ + sky_share_;
   if (sky_share_ > 0.0f && (choice < before_important || !(important_share_ > 0.0f))) {
-    const auto found = sample_sky(from, stretched(choice, luminaires_share_, sky_share_), u1, u2);
+    const auto found =
+        sample_sky(from, stretched(choice, luminaires_share_, sky_share_), u1, u2, drawn);
     return found ? std::optional(DrawnDirection{*found, 0.0f}) : std::nullopt;
   }
   if (!(important_share_ > 0.0f)) return std::nullopt;
@@ -87,19 +97,33 @@ std::optional<DrawnDirection> LightDirections::sample_declared(const LightSampli
                  important_share_);
 }
 
-float LightDirections::declared_pdf(const LightSamplingContext& from, Vec3 direction) const {
+float LightDirections::declared_pdf(const LightSamplingContext& from, Vec3 direction,
+                                    const SkyPlace& place) const {
   float sum = 0.0f;
   if (luminaires_share_ > 0.0f) sum += luminaires_share_ * luminaires_.pdf(from, direction);
-  if (sky_share_ > 0.0f) sum += sky_share_ * sky_pdf(from, direction);
+  if (sky_share_ > 0.0f) sum += sky_share_ * sky_pdf(from, direction, place);
   if (important_share_ > 0.0f) sum += important_share_ * important_.pdf(from, direction);
   return sum;
 }
 
+std::optional<Environment::Draft> LightDirections::begin_light(const LightSamplingContext& from,
+                                                               float choice, float u1,
+                                                               float u2) const {
+  if (!environment_ || choice < luminaires_share_ || choice >= luminaires_share_ + sky_share_) {
+    return std::nullopt;
+  }
+  const float left = stretched(choice, luminaires_share_, sky_share_) * sky_irradiance(from);
+  if (!(left < environment_irradiance())) return std::nullopt;
+  return environment_->begin(from, u1, u2);
+}
+
 bool LightDirections::sample_light(const LightSamplingContext& from, float choice, float u1,
-                                   float u2, LightSample& light) const {
+                                   float u2, const std::optional<Environment::Draft>& begun,
+                                   LightSample& light) const {
   light.pdf = 0.0f;
   light.distance = light.free_distance = std::numeric_limits<float>::infinity();
   light.luminaire = Emission::kNoLuminaire;
+  light.environment.reset();
   const auto take = [&](const LuminaireDirections::Nearest& nearest) {
     light.pdf = luminaires_share_ * nearest.pdf;
     if (!(nearest.distance < std::numeric_limits<float>::infinity())) return;
@@ -116,12 +140,22 @@ bool LightDirections::sample_light(const LightSamplingContext& from, float choic
     light.direction = drawn->direction;
     take(drawn->nearest);
   } else {
-    const auto drawn = sample(from, choice, u1, u2);
-    if (!drawn) return false;
-    light.direction = drawn->direction;
-    if (luminaires_share_ > 0.0f) take(luminaires_.nearest(from, light.direction));
+    if (begun) {
+      const auto direction = finished(from, *begun, light.environment);
+      if (!direction) return false;
+      light.direction = *direction;
+    } else {
+      const auto drawn = sample(from, choice, u1, u2, light.environment);
+      if (!drawn) return false;
+      light.direction = drawn->direction;
+    }
+    if (luminaires_share_ > 0.0f) {
+      take(luminaires_.nearest(from, light.direction));
+    }
   }
-  if (sky_share_ > 0.0f) light.pdf += sky_share_ * sky_pdf(from, light.direction);
+  if (sky_share_ > 0.0f) {
+    light.pdf += sky_share_ * sky_pdf(from, light.direction, {}, light.environment);
+  }
   if (important_share_ > 0.0f)
     light.pdf += important_share_ * important_.pdf(from, light.direction);
   // Drawn at a rim and rounded off it.
@@ -138,13 +172,20 @@ float LightDirections::sky_irradiance(const LightSamplingContext& from) const {
   return total;
 }
 
+std::optional<Vec3> LightDirections::finished(const LightSamplingContext& from,
+                                              const Environment::Draft& begun,
+                                              FromEnvironment& drawn) const {
+  drawn = environment_->finish(from, begun);
+  return drawn ? std::optional(drawn->direction) : std::nullopt;
+}
+
 std::optional<Vec3> LightDirections::sample_sky(const LightSamplingContext& from, float choice,
-                                                float u1, float u2) const {
+                                                float u1, float u2, FromEnvironment& drawn) const {
   const float around = environment_irradiance(), total = sky_irradiance(from);
   if (!(total > 0.0f)) return std::nullopt;
   float left = choice * total;
   if (left < around) {
-    const auto drawn = environment_->draw(from, stretched(left, 0.0f, around), u1, u2);
+    drawn = environment_->draw(from, stretched(left, 0.0f, around), u1, u2);
     return drawn ? std::optional(drawn->direction) : std::nullopt;
   }
   left -= around;
@@ -160,11 +201,18 @@ std::optional<Vec3> LightDirections::sample_sky(const LightSamplingContext& from
   return std::nullopt;  // rounding, behind the last one
 }
 
-float LightDirections::sky_pdf(const LightSamplingContext& from, Vec3 direction) const {
+float LightDirections::sky_pdf(const LightSamplingContext& from, Vec3 direction,
+                               const SkyPlace& place, const FromEnvironment& drawn) const {
   if (!from.sees(direction)) return 0.0f;
   const float around = environment_irradiance();
   float total = around;
-  float sum = around > 0.0f ? around * environment_->pdf(from, direction) : 0.0f;
+  float sum = 0.0f;
+  if (around > 0.0f) {
+    sum = drawn   ? drawn->pdf
+          : place ? environment_->pdf(from, direction, *place)
+                  : environment_->pdf(from, direction);
+    sum *= around;
+  }
   for (const DistantDisc& disc : discs_) {
     const float irradiance = disc.irradiance(from.normal, from.both_sides);
     total += irradiance;

@@ -43,13 +43,17 @@ class LightDirections {
   std::optional<DrawnDirection> sample(const LightSamplingContext& from, float choice, float u1,
                                        float u2) const;
 
+  /// Where in the environment a direction is, for those who know.
+  using SkyPlace = std::optional<Environment::Place>;
+
   /// Density of `sample`, 1/sr; finite, not negative.
-  float pdf(const LightSamplingContext& from, Vec3 direction) const;
+  float pdf(const LightSamplingContext& from, Vec3 direction, const SkyPlace& place = {}) const;
   /// The same of a direction that `sample` gave. Rounding moves it off a lamp that is drawn at its
   /// rim: where the ray still meets the lamp, the density of all others alone would be smaller by
   /// the lamp's size, and its light as much too bright.
-  float pdf(const LightSamplingContext& from, const DrawnDirection& drawn) const {
-    return std::max(drawn.pdf, pdf(from, drawn.direction));
+  float pdf(const LightSamplingContext& from, const DrawnDirection& drawn,
+            const SkyPlace& place = {}) const {
+    return std::max(drawn.pdf, pdf(from, drawn.direction, place));
   }
 
   /// A direction drawn towards light, and what may be seen there.
@@ -63,11 +67,16 @@ class LightDirections {
     float free_distance;
     std::uint32_t luminaire;
     Vec3 normal;
+    /// Where it was drawn from the environment.
+    std::optional<Environment::Drawn> environment;
   };
+  /// Of the same numbers as sample_light; what it will look up is asked of memory.
+  std::optional<Environment::Draft> begin_light(const LightSamplingContext& from, float choice,
+                                                float u1, float u2) const;
   /// From where its ray starts. False where the drawn way gives no direction. Where nothing was
   /// learned.
   bool sample_light(const LightSamplingContext& from, float choice, float u1, float u2,
-                    LightSample& light) const;
+                    const std::optional<Environment::Draft>& begun, LightSample& light) const;
 
   /// Half of the directions are drawn from what was learned, where a context has a cell of it.
   void set_learned(LearnedLight learned) { learned_ = std::move(learned); }
@@ -81,12 +90,20 @@ class LightDirections {
   const LuminaireDirections& important() const { return important_; }
 
  private:
+  // Also tell what was drawn from the environment, if anything was.
+  using FromEnvironment = std::optional<Environment::Drawn>;
+  std::optional<DrawnDirection> sample(const LightSamplingContext& from, float choice, float u1,
+                                       float u2, FromEnvironment& drawn) const;
   std::optional<DrawnDirection> sample_declared(const LightSamplingContext& from, float choice,
-                                                float u1, float u2) const;
-  std::optional<Vec3> sample_sky(const LightSamplingContext& from, float choice, float u1,
-                                 float u2) const;
-  float sky_pdf(const LightSamplingContext& from, Vec3 direction) const;
-  float declared_pdf(const LightSamplingContext& from, Vec3 direction) const;
+                                                float u1, float u2, FromEnvironment& drawn) const;
+  std::optional<Vec3> sample_sky(const LightSamplingContext& from, float choice, float u1, float u2,
+                                 FromEnvironment& drawn) const;
+  std::optional<Vec3> finished(const LightSamplingContext& from, const Environment::Draft& begun,
+                               FromEnvironment& drawn) const;
+  // `drawn` where it is known to be that direction.
+  float sky_pdf(const LightSamplingContext& from, Vec3 direction, const SkyPlace& place,
+                const FromEnvironment& drawn = {}) const;
+  float declared_pdf(const LightSamplingContext& from, Vec3 direction, const SkyPlace& place) const;
   float environment_irradiance() const;
   // And that of discs.
   float sky_irradiance(const LightSamplingContext& from) const;

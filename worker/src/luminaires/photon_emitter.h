@@ -148,7 +148,7 @@ class PhotonEmitter {
       if (!drawn) return std::nullopt;
       towards = drawn->direction;
       pdf = drawn->pdf;
-      radiance = environment->radiance(towards, wavelengths_nm);
+      radiance = environment->radiance(*drawn, wavelengths_nm);
     }
     if (!(pdf > 0.0f)) return std::nullopt;
     const DistantStart::Start start = distant_start_.sample(towards, lit, aimed, b);

@@ -45,9 +45,8 @@ void WidenedLamps::add_sky(const Environment& environment, float least) {
     const auto drawn =
         environment.draw_all_around((step + 0.5f) / kSkyDraws, by_golden_ratio(step));
     if (!drawn || !(drawn->pdf > 0.0f)) continue;
-    const float radiance = mean_of([&](const Spectral<1>& wavelength) {
-      return environment.radiance(drawn->direction, wavelength);
-    });
+    const float radiance = mean_of(
+        [&](const Spectral<1>& wavelength) { return environment.radiance(*drawn, wavelength); });
     if (radiance < std::max(least, kSun * static_cast<float>(environment.mean_radiance())))
       continue;
     sky_.push_back({drawn->direction, radiance, 1.0f / (drawn->pdf * kCone * kSkyDraws),

@@ -110,15 +110,32 @@ struct Scene {
   Spectral<N> distant_radiance(Vec3 direction, const Spectral<N>& wavelengths_nm) const {
     return distant_radiance(direction, wavelengths_nm, [](HiddenFrom) { return false; });
   }
-  /// Without that for which `sees_past`, of a HiddenFrom, is true.
+  /// Along what was drawn towards light.
+  template <int N>
+  Spectral<N> distant_radiance(const LightDirections::LightSample& light,
+                               const Spectral<N>& wavelengths_nm) const {
+    if (!light.environment) return distant_radiance(light.direction, wavelengths_nm);
+    return with_discs(lights.environment()->radiance(*light.environment, wavelengths_nm),
+                      light.direction, wavelengths_nm, [](HiddenFrom) { return false; });
+  }
+  /// Without that for which `sees_past`, of a HiddenFrom, is true; its place in the environment for
+  /// those who know.
   template <int N, class SeesPast>
   Spectral<N> distant_radiance(Vec3 direction, const Spectral<N>& wavelengths_nm,
-                               const SeesPast& sees_past) const {
+                               const SeesPast& sees_past,
+                               const LightDirections::SkyPlace& place = {}) const {
     const auto& environment = lights.environment();
-    Spectral<N> radiance = 0.0f;
+    Spectral<N> around = 0.0f;
     if (environment && !sees_past(environment->hidden_from)) {
-      radiance = environment->radiance(direction, wavelengths_nm);
+      around = place ? environment->radiance(*place, wavelengths_nm)
+                     : environment->radiance(direction, wavelengths_nm);
     }
+    return with_discs(around, direction, wavelengths_nm, sees_past);
+  }
+  /// More of it, from discs.
+  template <int N, class SeesPast>
+  Spectral<N> with_discs(Spectral<N> radiance, Vec3 direction, const Spectral<N>& wavelengths_nm,
+                         const SeesPast& sees_past) const {
     for (const DistantDisc& disc : lights.discs()) {
       if (!sees_past(disc.hidden_from)) radiance += disc.radiance(direction, wavelengths_nm);
     }

@@ -38,11 +38,14 @@ class RadianceEstimator {
     if (tells_parts_) add_scaled(direct_[sample], factor, direct_[tally]);
   }
 
-  void flies(const BatchSample<N>& sample, const Group<N>& group, const Hit* hit) {
+  /// Its place in the environment where that was looked up.
+  void flies(const BatchSample<N>& sample, const Group<N>& group, const Hit* hit,
+             const LightDirections::SkyPlace& place) {
     if (nearly()) return nearly_meets(sample, group);
     if (hit != nullptr || !scene_.has_distant_light()) return;
     const auto past = [&](HiddenFrom hidden) { return sees_past(group, hidden); };
-    add_light(group, scene_.distant_radiance(group.ray.direction, sample.wavelengths, past));
+    add_light(group, scene_.distant_radiance(group.ray.direction, sample.wavelengths, past, place),
+              place);
   }
 
   void arrives(const BatchSample<N>& sample, const Group<N>& group, const Hit& hit) {
@@ -135,14 +138,17 @@ class RadianceEstimator {
   }
 
   // With the MIS weight of the technique that met it.
-  void add_light(const Group<N>& group, const Spectral<N>& light) {
+  void add_light(const Group<N>& group, const Spectral<N>& light,
+                 const LightDirections::SkyPlace& place = {}) {
     if (!counts_for(group)) return;
     if (largest(light) < scene_.options.least_radiance) return;
     Spectral<N> found = group.weight * light;
     if (group.mis.technique != MisTechnique::kNone && largest(found) > 0.0f) {
       // Mirrors and glass may have turned it.
+      const bool as_sent = place && group.mis.direction == group.ray.direction;
       const float towards =
-          scene_.lights.pdf(group.mis.context, {group.mis.direction, group.mis.drawn_pdf});
+          scene_.lights.pdf(group.mis.context, {group.mis.direction, group.mis.drawn_pdf},
+                            as_sent ? place : LightDirections::SkyPlace{});
       const bool by_kernel = group.mis.technique == MisTechnique::kKernel;
       // Drawn at a rim and rounded off it. The photon from the kernel has the whole weight there.
       if (!by_kernel && !(towards > 0.0f)) return;

@@ -1,6 +1,8 @@
 // Stage: groups arrive, weakened by what lies on their way, and what they meet is counted.
 #pragma once
 
+#include <array>
+
 #include "tracer/stages/travel.h"
 
 namespace nocturne {
@@ -25,9 +27,20 @@ bool ends_here(const Batch& batch, const Group<N>& group, const Hit& hit) {
          (batch.occlusion_decides || !batch.scene.materials[hit.surface].has_delta_lobe);
 }
 
+// What is far away is asked of memory so many groups before it is counted.
+inline constexpr std::size_t kAhead = 8;
+
 template <int N, class Estimator, bool Media>
 void count(Batch<N, Estimator, Media>& batch) {
+  constexpr bool kAdjoint = Batch<N, Estimator, Media>::kAdjoint;
   batch.contacts.clear();
+  std::array<LightDirections::SkyPlace, kAhead> places;
+  const auto expect = [&](std::size_t i) {
+    const auto& environment = batch.scene.lights.environment();
+    if (!kAdjoint || !environment || i >= batch.groups.size() || batch.hits[i]) return;
+    places[i % kAhead] = environment->expect(batch.groups[i].ray.direction);
+  };
+  for (std::size_t i = 0; i < kAhead; ++i) expect(i);
   for (std::size_t i = 0; i < batch.groups.size(); ++i) {
     Group<N>& group = batch.groups[i];
     Encounter& met = batch.encounters[i];
@@ -41,7 +54,12 @@ void count(Batch<N, Estimator, Media>& batch) {
         batch.contacts.push_back(touching);
       }
     }
-    batch.estimator.flies(sample, group, hit ? &*hit : nullptr);
+    if constexpr (kAdjoint) {
+      batch.estimator.flies(sample, group, hit ? &*hit : nullptr, places[i % kAhead]);
+    } else {
+      batch.estimator.flies(sample, group, hit ? &*hit : nullptr);
+    }
+    expect(i + kAhead);
     if (hit) arrive(batch, group, *hit);
     met.ended = !hit || ends_here(batch, group, *hit);
   }

@@ -68,7 +68,7 @@ void ask_for_light(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
   const Vec3 wi = vertex.to_local(light.direction);
   if (!may_send(kernel, dot(vertex.normal, light.direction), wi)) return;
   const Spectral<N> radiance = light.luminaire == Emission::kNoLuminaire
-                                   ? scene.distant_radiance(light.direction, sample.wavelengths)
+                                   ? scene.distant_radiance(light, sample.wavelengths)
                                    : scene.luminaires[light.luminaire].emitted(
                                          light.normal, -light.direction, {}, sample.wavelengths);
   if (!(largest(radiance) > 0.0f) || largest(radiance) < scene.options.least_radiance) return;
@@ -94,27 +94,41 @@ void ask_for_lights(Batch& batch, const Chunk<N, Bound>& chunk,
                     std::span<const std::uint32_t> which) {
   std::array<std::optional<PhotonSequence>, kChunk> sequences;
   std::array<Uniform4, kChunk> numbers;
+  std::array<LightSamplingContext, kChunk> contexts;
+  std::array<std::optional<Environment::Draft>, kChunk> begun;
+  std::array<LightDirections::LightSample, kChunk> lights;
+  std::array<bool, kChunk> drawn;
   for (std::size_t k = 0; k < which.size(); ++k) {
     sequences[k] = chunk.groups[which[k]]->sequence.branch(1);
   }
   PhotonSequence::next_of_each(
       which.size(), [&](std::size_t k) -> PhotonSequence& { return *sequences[k]; },
       numbers.data());
+  const LightDirections& lights_of_scene = batch.scene.lights;
+  const auto context = [&](std::size_t k, Vec3 side) {
+    const std::size_t i = which[k];
+    return light_context(batch, *chunk.groups[i], *chunk.vertices[i], *chunk.kernels[i], side);
+  };
+  for (std::size_t k = 0; k < which.size(); ++k) {
+    const Uniform4& u = numbers[k];
+    contexts[k] = context(k, chunk.vertices[which[k]]->normal);
+    begun[k] = lights_of_scene.begin_light(contexts[k], u[2], u[0], u[1]);
+  }
+  for (std::size_t k = 0; k < which.size(); ++k) {
+    const Vec3 normal = chunk.vertices[which[k]]->normal;
+    const Uniform4& u = numbers[k];
+    const auto draw = [&](const LightSamplingContext& from) {
+      return lights_of_scene.sample_light(from, u[2], u[0], u[1], begun[k], lights[k]);
+    };
+    const auto is_beyond = [&] { return dot(normal, lights[k].direction) < 0.0f; };
+    drawn[k] = draw(contexts[k]);
+    if (drawn[k] && is_beyond()) drawn[k] = draw(context(k, -normal)) && is_beyond();
+  }
   for (std::size_t k = 0; k < which.size(); ++k) {
     const std::size_t i = which[k];
-    const Group<N>& group = *chunk.groups[i];
-    const Vertex<N>& vertex = *chunk.vertices[i];
-    const Bound& kernel = *chunk.kernels[i];
-    const Uniform4& u = numbers[k];
-    LightDirections::LightSample light;
-    const auto draw = [&](Vec3 side) {
-      const LightSamplingContext from = light_context(batch, group, vertex, kernel, side);
-      return batch.scene.lights.sample_light(from, u[2], u[0], u[1], light);
-    };
-    const auto is_beyond = [&] { return dot(vertex.normal, light.direction) < 0.0f; };
-    bool drawn = draw(vertex.normal);
-    if (drawn && is_beyond()) drawn = draw(-vertex.normal) && is_beyond();
-    if (drawn) ask_for_light(batch, group, vertex, kernel, chunk.survival[i], light);
+    if (!drawn[k]) continue;
+    ask_for_light(batch, *chunk.groups[i], *chunk.vertices[i], *chunk.kernels[i], chunk.survival[i],
+                  lights[k]);
   }
 }
 
