@@ -116,11 +116,5 @@ TEST(Sharing, AsksMoreRaysOfNeighboursThanOfPixelsAlone) {
   EXPECT_GT(rays(16), rays(1));
 }
 
-TEST(Sharing, APixelAloneSharesWithNobody) {
-  const TileRange pixel{3, 3, 1, 1, 0, 16};
-  EXPECT_EQ(trace_tile(*room(16), Film{16, 16}, pixel).rays,
-            trace_tile(*room(1), Film{16, 16}, pixel).rays);
-}
-
 }  // namespace
 }  // namespace nocturne
