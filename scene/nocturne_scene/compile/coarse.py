@@ -16,7 +16,7 @@ from nocturne_scene.document.problems import path
 from nocturne_scene.document.shapes import DIGEST_PREFIX, AssetMesh, InlineMesh, MediumBox, Sphere
 from nocturne_scene.document.surfaces import Surface
 from nocturne_scene.meshes.headers import UnusableMeshError
-from nocturne_scene.meshes.triangles import unit_normals
+from nocturne_scene.meshes.triangles import area_vectors, unit_normals
 from nocturne_scene.textures import environment_maps, pictures
 
 _ROUNDING = 2.0**-24
@@ -114,7 +114,7 @@ def _bent(workspace: Workspace, shapes: Shapes, surface: Surface, place: str) ->
 
 def _bend(corners: NDArray[np.float64], normals: NDArray[np.float64]) -> float:
     """One minus the cosine between triangles and their corners' normals, on the mean over the area."""
-    across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    across = area_vectors(corners)
     total = float(np.linalg.norm(across, axis=-1).sum())
     along = float(np.abs(np.einsum("ti,tci->tc", across, normals)).mean(axis=1).sum())
     return 1.0 - along / total if total > 0.0 else 0.0

@@ -29,6 +29,7 @@ from nocturne_scene.document.shapes import Sphere
 from nocturne_scene.document.spectrum_checks import Reference
 from nocturne_scene.document.surfaces import Surface
 from nocturne_scene.document.textures import ColourTexture
+from nocturne_scene.meshes.triangles import area_vectors
 from nocturne_scene.spectra import published, sun
 
 _LOST = 1e-3
@@ -140,8 +141,7 @@ class Lights:
         if not message.HasField("intensity") or message.two_sided or isinstance(surface.shape, Sphere):
             return
         mesh = self._shapes.triangles(surface.shape)
-        a, b, c = (placement_of(surface).points(mesh.vertices[mesh.indices[:, i]]) for i in range(3))
-        normal = np.cross(b - a, c - a).sum(axis=0)
+        normal = area_vectors(placement_of(surface).points(mesh.vertices[mesh.indices])).sum(axis=0)
         lost, total = flux_behind(message.intensity, normal)
         if lost > _LOST * total:
             self._workspace.warnings.append(

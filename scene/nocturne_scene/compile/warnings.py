@@ -25,6 +25,7 @@ from nocturne_scene.document.surfaces import Surface
 from nocturne_scene.document.textures import ColourTexture
 from nocturne_scene.film import Film
 from nocturne_scene.meshes.headers import UnusableMeshError
+from nocturne_scene.meshes.triangles import area_vectors
 
 _MAX_TRIANGLES = 300_000
 """Of a body that is looked at: a second's work. More come from scanners, which close them."""
@@ -225,7 +226,7 @@ def _albedo_around(workspace: Workspace, shapes: Shapes) -> float | None:
     for part in np.unique(part_of):
         walls = corners[part_of == part]
         if open_edges(walls) == 0 and abs(float(winding(walls, sensor[None])[0])) > 0.5:
-            areas = np.linalg.norm(np.cross(walls[:, 1] - walls[:, 0], walls[:, 2] - walls[:, 0]), axis=-1)
+            areas = np.linalg.norm(area_vectors(walls), axis=-1)
             return float(np.average(albedos[part_of == part], weights=areas))
     return None
 

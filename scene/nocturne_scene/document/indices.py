@@ -1,6 +1,5 @@
 """Indices of refraction as written in a scene document."""
 
-from itertools import pairwise
 from typing import Annotated, Self
 
 from pydantic import AfterValidator, Field, model_validator
@@ -8,6 +7,7 @@ from pydantic import AfterValidator, Field, model_validator
 from nocturne_scene.document import bounds
 from nocturne_scene.document.fields import Finite, Wavelength
 from nocturne_scene.document.node import ByKey, Node, problem_at, quoted_list
+from nocturne_scene.document.spectra import check_increasing
 from nocturne_scene.spectra import indices
 
 _Index = Annotated[Finite, Field(ge=indices.SMALLEST, le=indices.LARGEST)]
@@ -62,15 +62,6 @@ class TableExtinction(Node):
     def _wavelengths_increase(self) -> Self:
         check_increasing([knot[0] for knot in self.table])
         return self
-
-
-def check_increasing(wavelengths: list[float]) -> None:
-    """Raise an error at the first knot of a table that is out of order."""
-    for index, (before, after) in enumerate(pairwise(wavelengths), start=1):
-        if after <= before:
-            raise problem_at(
-                f".table[{index}][0]", f"wavelengths must increase: {after:g} nm follows {before:g} nm"
-            )
 
 
 def _known_dielectric(name: str) -> str:

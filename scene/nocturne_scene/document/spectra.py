@@ -46,6 +46,15 @@ _LUMINANCE_HELP = (
 )
 
 
+def check_increasing(wavelengths: list[float]) -> None:
+    """Raise an error at the first knot of a table that is out of order."""
+    for index, (before, after) in enumerate(pairwise(wavelengths), start=1):
+        if after <= before:
+            raise problem_at(
+                f".table[{index}][0]", f"wavelengths must increase: {after:g} nm follows {before:g} nm"
+            )
+
+
 class ConstantSpectrum(Node):
     """The same value at every wavelength. A bare number means the same as `{"constant": number}`."""
 
@@ -77,12 +86,7 @@ class TableSpectrum(Node):
 
     @model_validator(mode="after")
     def _wavelengths_increase(self) -> Self:
-        for index, (before, after) in enumerate(pairwise(self.table), start=1):
-            if after[0] <= before[0]:
-                raise problem_at(
-                    f".table[{index}][0]",
-                    f"wavelengths must increase: {after[0]:g} nm follows {before[0]:g} nm",
-                )
+        check_increasing([knot[0] for knot in self.table])
         return self
 
 

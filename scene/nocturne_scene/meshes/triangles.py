@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -144,8 +145,7 @@ def _float_bytes(values: NDArray[np.floating]) -> bytes:
 
 def _mean_normals(mesh: Triangles) -> NDArray[np.float64]:
     """Return the mean normal of the triangles around each vertex, by area, not normalised."""
-    corners = mesh.vertices[mesh.indices]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = area_vectors(mesh.vertices[mesh.indices])
     mean = np.zeros_like(mesh.vertices)
     for corner in range(3):
         np.add.at(mean, mesh.indices[:, corner], normals)
@@ -179,10 +179,13 @@ def _check_extent(vertices: NDArray[np.float32]) -> None:
 
 def has_area(vertices: NDArray[np.float32], indices: NDArray[np.int64]) -> NDArray[np.bool_]:
     """Whether the tracer meets a triangle where its rays do."""
-    parts = [_chunkhas_area(vertices[indices[at : at + _CHUNK]]) for at in range(0, len(indices), _CHUNK)]
+    parts = []
+    for at in range(0, len(indices), _CHUNK):
+        normal = area_vectors(vertices[indices[at : at + _CHUNK]]).astype(np.float64)
+        parts.append(np.einsum("ij,ij->i", normal, normal) >= bounds.EMBREE_AREA**2)
     return np.concatenate(parts)
 
 
-def _chunkhas_area(corners: NDArray[np.float32]) -> NDArray[np.bool_]:
-    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]).astype(np.float64)
-    return np.asarray(np.einsum("ij,ij->i", normal, normal) >= bounds.EMBREE_AREA**2, dtype=np.bool_)
+def area_vectors(corners: NDArray[Any]) -> NDArray[Any]:
+    """Return normals twice as long as the areas of triangles, whose corners have the shape (n, 3, 3)."""
+    return np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

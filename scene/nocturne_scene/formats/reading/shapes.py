@@ -1,18 +1,29 @@
 """Shapes as triangles, with texture coordinates where v goes up the picture, and triangles as files."""
 
 from collections.abc import Callable
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from nocturne_scene.formats.reading.transforms import Matrix
-from nocturne_scene.meshes.triangles import Triangles
+from nocturne_scene.meshes.triangles import Triangles, area_vectors
 
 _Array = NDArray[np.float64]
 
 # Steps around a curved shape: its outline is off by 1 - cos(pi / AROUND) = 7.5e-5 of its radius.
 AROUND = 256
 ALONG = 128
+
+# The faces of a cube from -1 to 1: the corner at u = v = 0, and the edges along u and v (v down the picture).
+_CUBE = (
+    ((-1, -1, -1), (0, 0, 2), (2, 0, 0)),
+    ((1, 1, 1), (-2, 0, 0), (0, 0, -2)),
+    ((1, -1, 1), (0, 2, 0), (0, 0, -2)),
+    ((-1, -1, 1), (0, 2, 0), (2, 0, 0)),
+    ((-1, -1, -1), (0, 2, 0), (0, 0, 2)),
+    ((-1, 1, -1), (0, -2, 0), (2, 0, 0)),
+)
 
 
 def grid(columns: int, rows: int, at: Callable[[_Array, _Array], tuple[_Array, _Array | None]]) -> Triangles:
@@ -49,9 +60,8 @@ def facing_their_normals(mesh: Triangles) -> Triangles:
     """Triangles turned over where the normals at their corners say that the other side is the front."""
     if mesh.normals is None:
         return mesh
-    a, b, c = (mesh.vertices[mesh.indices[:, corner]] for corner in range(3))
     said = mesh.normals[mesh.indices].sum(axis=1)
-    wrong = np.einsum("ij,ij->i", np.cross(b - a, c - a), said) < 0
+    wrong = np.einsum("ij,ij->i", area_vectors(mesh.vertices[mesh.indices]), said) < 0
     indices = np.where(wrong[:, None], mesh.indices[:, ::-1], mesh.indices)
     return Triangles(mesh.vertices, indices, mesh.normals, mesh.coordinates)
 
@@ -119,3 +129,35 @@ def rectangle() -> Triangles:
         return np.stack([2 * s - 1, 1 - 2 * t, 0 * s], 1), np.tile([0.0, 0.0, 1.0], (len(s), 1))
 
     return facing_their_normals(grid(1, 1, at))
+
+
+def cube() -> Triangles:
+    """[-1, 1]^3, flat; on each face v falls from its corner at u = v = 0."""
+    vertices, coordinates, normals = [], [], []
+    for corner, u, v in np.array(_CUBE, dtype=np.float64):
+        vertices += [corner, corner + u, corner + u + v, corner + v]
+        coordinates += [[0, 1], [1, 1], [1, 0], [0, 0]]
+        normals += [np.cross(v, u)] * 4
+    first = np.arange(0, 24, 4)[:, None]
+    indices = np.concatenate([first + np.array([0, 1, 2]), first + np.array([0, 2, 3])])
+    mesh = Triangles(np.array(vertices), indices, np.array(normals), np.array(coordinates, dtype=np.float64))
+    mesh = facing_their_normals(mesh)
+    return Triangles(mesh.vertices, mesh.indices, None, mesh.coordinates)
+
+
+UNITS: dict[str, Callable[[], Triangles]] = {
+    "sphere": sphere,
+    "cylinder": cylinder,
+    "disk": disc,
+    "rectangle": rectangle,
+    "cube": cube,
+}
+"""By the names that other renderers have for them."""
+
+
+@cache
+def outline(kind: str) -> _Array:
+    """Points of one of UNITS that reach as far as all of it in every direction."""
+    points = UNITS[kind]().vertices
+    # Of a disc the rim will do.
+    return points[np.linalg.norm(points, axis=1) > 0.99] if kind == "disk" else points

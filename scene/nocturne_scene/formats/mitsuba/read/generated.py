@@ -14,16 +14,6 @@ from nocturne_scene.formats.reading.scene_writer import Json
 from nocturne_scene.formats.reading.transforms import Matrix
 from nocturne_scene.meshes.triangles import Triangles
 
-# The faces of a cube from -1 to 1: the corner at u = v = 0, and the edges along u and v (v down the picture).
-_CUBE = (
-    ((-1, -1, -1), (0, 0, 2), (2, 0, 0)),
-    ((1, 1, 1), (-2, 0, 0), (0, 0, -2)),
-    ((1, -1, 1), (0, 2, 0), (0, 0, -2)),
-    ((-1, -1, 1), (0, 2, 0), (2, 0, 0)),
-    ((-1, -1, -1), (0, 2, 0), (0, 0, 2)),
-    ((-1, 1, -1), (0, -2, 0), (2, 0, 0)),
-)
-
 
 def _generated(
     context: Context, properties: Properties, to_world: Matrix, textured: bool, kind: str
@@ -31,22 +21,14 @@ def _generated(
     """A shape that is made up, in its own coordinates; v goes up the picture."""
     flipped, flat = (properties.switch(name, False) for name in ("flip_normals", "face_normals"))
     base = _base(kind, flipped, flat, textured)
-    context.extent.add(_outline(kind) @ to_world[:3, :3].T + to_world[:3, 3])
+    context.extent.add(shapes.outline(kind) @ to_world[:3, :3].T + to_world[:3, 3])
     return Placed(base, to_world)
-
-
-@cache
-def _outline(kind: str) -> Matrix:
-    """Points of a shape that reach as far as all of it in every direction."""
-    points = _MESHES[kind]().vertices
-    # Of a disc the rim will do.
-    return points[np.linalg.norm(points, axis=1) > 0.99] if kind == "disk" else points
 
 
 @cache
 def _base(kind: str, flipped: bool, flat: bool, textured: bool) -> Base:
     """One for all that are alike, as those are put together that have the same one."""
-    mesh = _MESHES[kind]()
+    mesh = shapes.UNITS[kind]()
     if not textured and kind == "cube":
         mesh = _with_shared_corners(mesh)
     if flipped:
@@ -118,28 +100,6 @@ def _rectangle(context: Context, properties: Properties, to_world: Matrix, textu
 
 def _cube(context: Context, properties: Properties, to_world: Matrix, textured: bool) -> Placed:
     return _generated(context, properties, to_world, textured, "cube")
-
-
-def _faces_of_cube() -> Triangles:
-    vertices, coordinates, normals = [], [], []
-    for corner, u, v in np.array(_CUBE, dtype=np.float64):
-        vertices += [corner, corner + u, corner + u + v, corner + v]
-        coordinates += [[0, 1], [1, 1], [1, 0], [0, 0]]
-        normals += [np.cross(v, u)] * 4
-    first = np.arange(0, 24, 4)[:, None]
-    indices = np.concatenate([first + np.array([0, 1, 2]), first + np.array([0, 2, 3])])
-    mesh = Triangles(np.array(vertices), indices, np.array(normals), np.array(coordinates, dtype=np.float64))
-    mesh = shapes.facing_their_normals(mesh)
-    return Triangles(mesh.vertices, mesh.indices, None, mesh.coordinates)
-
-
-_MESHES: dict[str, Callable[[], Triangles]] = {
-    "sphere": shapes.sphere,
-    "cylinder": shapes.cylinder,
-    "disk": shapes.disc,
-    "rectangle": shapes.rectangle,
-    "cube": _faces_of_cube,
-}
 
 
 GENERATED: dict[str, Callable[[Context, Properties, Matrix, bool], Placed]] = {

@@ -13,7 +13,7 @@ from nocturne_scene.formats.reading.crowds import Placed
 from nocturne_scene.formats.reading.scene_writer import Json
 from nocturne_scene.formats.reading.transforms import Matrix
 from nocturne_scene.meshes.files import load_mesh
-from nocturne_scene.meshes.triangles import Triangles
+from nocturne_scene.meshes.triangles import Triangles, area_vectors
 
 Areas = NDArray[np.float64]
 
@@ -74,8 +74,8 @@ def _parts(kind: str, shape: Json | Placed, folder: Path) -> Areas | None:
 
 
 def _areas(mesh: Triangles, matrix: Matrix) -> Areas:
-    a, b, c = (mesh.vertices[mesh.indices[:, corner]] @ matrix[:3, :3].T for corner in range(3))
-    return np.asarray(np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2)
+    corners = mesh.vertices[mesh.indices] @ matrix[:3, :3].T
+    return np.asarray(np.linalg.norm(area_vectors(corners), axis=1) / 2)
 
 
 def _whole(context: Context, kind_of_shape: str, shape: Json | Placed) -> Json:

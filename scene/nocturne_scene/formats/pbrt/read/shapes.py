@@ -104,30 +104,15 @@ def _generated(context: Context, matrix: Matrix, kind: str) -> Placed:
     """A shape that is made up, placed in the coordinates of now."""
     to_world = context.to_world() @ matrix
     base = _base(kind, context.state.reversed)
-    context.extent.add(_outline(kind) @ to_world[:3, :3].T + to_world[:3, 3])
+    context.extent.add(shapes.outline(kind) @ to_world[:3, :3].T + to_world[:3, 3])
     return Placed(base, to_world)
 
 
 @cache
 def _base(kind: str, is_reversed: bool) -> Base:
     """One for all that are alike, as those are put together that have the same one."""
-    mesh = _MESHES[kind]()
+    mesh = shapes.UNITS[kind]()
     return Base(kind, shapes.flipped(mesh) if is_reversed else mesh)
-
-
-@cache
-def _outline(kind: str) -> Matrix:
-    """Points of a shape that reach as far as all of it in every direction."""
-    points = _MESHES[kind]().vertices
-    # Of a disc the rim will do.
-    return points[np.linalg.norm(points, axis=1) > 0.99] if kind == "disk" else points
-
-
-_MESHES: dict[str, Callable[[], Triangles]] = {
-    "sphere": shapes.sphere,
-    "disk": shapes.disc,
-    "cylinder": shapes.cylinder,
-}
 
 
 def _sphere(context: Context, parameters: Parameters, textured: bool) -> Placed:
