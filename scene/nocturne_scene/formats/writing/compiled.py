@@ -16,9 +16,11 @@ from nocturne_scene.compile import spectra
 from nocturne_scene.compile.unseen import met_surfaces
 from nocturne_scene.document.model import SceneDocument
 from nocturne_scene.formats.reading.findings import Findings
-from nocturne_scene.formats.writing.inside import crossings
 from nocturne_scene.formats.writing.tables import Array, Table, table_of
 from nocturne_scene.meshes.triangles import Triangles
+
+# No edge of a scene made by people has this direction.
+_ASKEW = np.array([0.4802871, 0.6120413, 0.6282357])
 
 
 @dataclass(frozen=True)
@@ -77,6 +79,8 @@ class Compiled:
         self._met = met_surfaces(document)
         self.metre = 1.0
         """In the unit of the export."""
+        self.renderer = "pbrt"
+        """For messages; as `metre`, the exporter's to set."""
 
     def place(self, surface: int) -> str:
         """Where a surface is described."""
@@ -204,7 +208,7 @@ class Compiled:
         if mesh is None:
             centre, radius = self.sphere(surface.sphere, place)
             return bool(np.linalg.norm(point - centre) < radius)
-        return crossings(mesh, point) % 2 == 1
+        return _crossings(mesh, point) % 2 == 1
 
     def around_sensor(self, everywhere: Body) -> tuple[Body | None, str]:
         """What the sensor stands in, and where that is described."""
@@ -235,6 +239,37 @@ class Compiled:
     def standing(self) -> Iterator[tuple[int, scene_pb2.Surface]]:
         """Surfaces that are in the scene once, with their index."""
         return ((at, each) for at, each in enumerate(self.message.surfaces) if each.group == 0)
+
+    def scatterer(self, body: Body, place: str) -> Medium:
+        """The medium of a body whose phase function other renderers take for all of them."""
+        first, *others = body.media
+        if any(each.phase != first.phase and not each.scattering.is_black for each in others):
+            self.findings.lost(place, "media with different phase functions in one body can't be exported")
+        return next((each for each in body.media if not each.scattering.is_black), first)
+
+    def numbers(self, use: scene_pb2.TextureUse, *, complement: bool) -> Array:
+        """The picture of a number that varies, or of what it lacks to 1."""
+        values = np.clip(use.gain * self.picture(use.texture) + use.bias, 0.0, 1.0)
+        return 1 - values if complement else values
+
+    def colours(self, colour: scene_pb2.Colour, place: str) -> Array:
+        """The picture of a colour that varies."""
+        table = self.table(colour.spectrum)
+        if table.constant is None:
+            self.findings.lost(place, f"a texture times a spectrum has no equal in {self.renderer}")
+        return (table.constant or 0.0) * self.picture(colour.texture.texture)
+
+    def refuse_other_luminaires(self, luminaire: scene_pb2.Luminaire, group: int, place: str) -> None:
+        """Tell of light that only our luminaires give."""
+        if group:
+            self.findings.lost(place, "luminaires in groups can't be exported")
+        if luminaire.WhichOneof("profile"):
+            self.findings.lost(
+                f"{place}.profile",
+                f"a luminaire whose radiance depends on direction has no equal in {self.renderer}",
+            )
+        if luminaire.radiance.HasField("texture"):
+            self.findings.lost(f"{place}.radiance", "a textured luminaire can't be exported")
 
     def refuse_overlaps(self) -> None:
         """Tell of bodies that may overlap: boundaries of other renderers must not."""
@@ -291,3 +326,18 @@ def _ends(mesh: scene_pb2.Mesh) -> list[int]:
     steps = max(1, mesh.time_steps)
     parts = [3 * steps, 3 * steps * mesh.normals, 2 * mesh.texture_coordinates]
     return [int(end) * mesh.vertex_count for end in np.cumsum([part for part in parts if part])]
+
+
+def _crossings(mesh: Triangles, point: Array) -> int:
+    """How many triangles a ray from a point meets (T. Moeller and B. Trumbore 1997)."""
+    a, b, c = (mesh.vertices[mesh.indices[:, corner]] for corner in range(3))
+    across = np.cross(_ASKEW, c - a)
+    determinant = np.einsum("ij,ij->i", b - a, across)
+    hit = determinant != 0
+    inverse = np.divide(1.0, determinant, out=np.zeros_like(determinant), where=hit)
+    offset = point - a
+    u = np.einsum("ij,ij->i", offset, across) * inverse
+    turned = np.cross(offset, b - a)
+    v = turned @ _ASKEW * inverse
+    t = np.einsum("ij,ij->i", c - a, turned) * inverse
+    return int(np.sum(hit & (u >= 0) & (v >= 0) & (u + v <= 1) & (t > 0)))

@@ -140,9 +140,8 @@ class _Sides:
         if weight.WhichOneof("source") == "constant":
             constant = 1 - weight.constant if complement else weight.constant
             return Element("float", {"name": name, "value": repr(constant)})
-        use = weight.texture
-        values = np.clip(use.gain * self._context.compiled.picture(use.texture) + use.bias, 0.0, 1.0)
-        return self._bitmap(name, use, 1 - values if complement else values)
+        values = self._context.compiled.numbers(weight.texture, complement=complement)
+        return self._bitmap(name, weight.texture, values)
 
     def _faceted(self, kind: str, roughness: scene_pb2.Roughness) -> Element:
         """A material that there is smooth, and rough by another name."""
@@ -160,16 +159,9 @@ class _Sides:
         return plugin("bsdf", f"rough{kind}", distribution=distribution, alpha=float(alpha))
 
     def _colour(self, name: str, colour: scene_pb2.Colour) -> Element:
-        table = self._table(colour.spectrum)
         if not colour.HasField("texture"):
-            return spectrum(name, table)
-        if table.constant is None:
-            self._lost("a texture times a spectrum has no equal in Mitsuba")
-        return self._bitmap(
-            name,
-            colour.texture,
-            (table.constant or 0.0) * self._context.compiled.picture(colour.texture.texture),
-        )
+            return spectrum(name, self._table(colour.spectrum))
+        return self._bitmap(name, colour.texture, self._context.compiled.colours(colour, self._place))
 
     def _bitmap(self, name: str, use: scene_pb2.TextureUse, pixels: np.ndarray) -> Element:
         texture = self._message.textures[use.texture]

@@ -21,22 +21,22 @@ def medium(context: Context, body: Body | None, name: str, place: str) -> list[E
     """A reference to what fills a body, under a parameter's name; nothing for nothing."""
     if body is None or body.is_empty:
         return []
-    first, *others = body.media
-    if any(each.phase != first.phase and not each.scattering.is_black for each in others):
-        context.findings.lost(place, "media with different phase functions in one body can't be exported")
+    scatterer = context.compiled.scatterer(body, place)
     key = repr(body.media)
     if key not in context.media:
         context.media[key] = f"medium{len(context.media)}"
         make = _homogeneous if all(each.density is None for each in body.media) else _heterogeneous
-        context.root.append(make(context, body.media, context.media[key], place))
+        made = make(context, body.media, context.media[key], place)
+        made.append(_phase(context, scatterer.phase, place))
+        context.root.append(made)
     return [reference(context.media[key], name)]
 
 
 def _homogeneous(context: Context, media: tuple[Medium, ...], id_: str, place: str) -> Element:
+    del context, place
     found = plugin("medium", "homogeneous", id_=id_)
     found.append(spectrum("sigma_t", _extinction(media)))
     found.append(spectrum("albedo", _albedo(media)))
-    found.append(_phase(context, _scatterer(media).phase, place))
     return found
 
 
@@ -59,7 +59,6 @@ def _heterogeneous(context: Context, media: tuple[Medium, ...], id_: str, place:
     albedo = plugin("volume", "constvolume", name="albedo")
     albedo.append(spectrum("value", _albedo(media)))
     found.append(albedo)
-    found.append(_phase(context, _scatterer(media).phase, place))
     return found
 
 
@@ -79,10 +78,6 @@ def _coefficients(media: tuple[Medium, ...]) -> tuple[Array, Array]:
     absorption = np.sum([each.absorption.at(at) for each in media], axis=0)
     scattering = np.sum([each.scattering.at(at) for each in media], axis=0)
     return absorption, scattering
-
-
-def _scatterer(media: tuple[Medium, ...]) -> Medium:
-    return next((each for each in media if not each.scattering.is_black), media[0])
 
 
 def _phase(context: Context, phase: scene_pb2.PhaseFunction, place: str) -> Element:

@@ -41,6 +41,7 @@ _ABOUT = f""" Render it with a spectral variant, such as
 
 def export_mitsuba(compiled: Compiled, writer: SceneWriter, film: Film) -> str:
     """Write scene.xml and its files; return its name. Losses are among the findings."""
+    compiled.renderer = "Mitsuba"
     compiled.metre = max(1.0, 10.0 ** math.ceil(math.log10(_LARGE / compiled.size())))
     root = Element("scene", {"version": "3.0.0"})
     root.append(Comment(_ABOUT.format(metre=compiled.metre)))

@@ -50,8 +50,7 @@ def _shape(
         found.extend(medium(context, body, "interior", f"{place}.interior"))
         found.extend(medium(context, around, "exterior", "$.unbounded_media"))
     if luminaire is not None:
-        if surface.group:
-            context.findings.lost(place, "luminaires in groups can't be exported")
+        context.compiled.refuse_other_luminaires(luminaire, surface.group, f"{place}.luminaire")
         found.append(_emitter(context, luminaire, f"{place}.luminaire"))
     return found
 
@@ -82,12 +81,6 @@ def _geometry(context: Context, index: int, surface: scene_pb2.Surface, place: s
 def _emitter(context: Context, luminaire: scene_pb2.Luminaire, place: str) -> Element:
     if luminaire.two_sided:
         context.findings.lost(f"{place}.two_sided", "a luminaire with two sides has no equal in Mitsuba")
-    if luminaire.WhichOneof("profile"):
-        context.findings.lost(
-            f"{place}.profile", "a luminaire whose radiance depends on direction has no equal in Mitsuba"
-        )
-    if luminaire.radiance.HasField("texture"):
-        context.findings.lost(f"{place}.radiance", "a textured luminaire can't be exported")
     found = plugin("emitter", "area")
     found.append(spectrum("radiance", context.compiled.table(luminaire.radiance.spectrum)))
     return found

@@ -164,18 +164,13 @@ class _Maker:
     def _scalar(self, name: str, scalar: scene_pb2.Scalar, complement: bool) -> str:
         if scalar.WhichOneof("source") != "texture":
             return real(name, 1 - scalar.constant if complement else scalar.constant)
-        use = scalar.texture
-        values = np.clip(use.gain * self._context.compiled.picture(use.texture) + use.bias, 0.0, 1.0)
-        return texture(name, self._picture("float", use, 1 - values if complement else values))
+        values = self._context.compiled.numbers(scalar.texture, complement=complement)
+        return texture(name, self._picture("float", scalar.texture, values))
 
     def _colour(self, name: str, colour: scene_pb2.Colour) -> str:
-        table = self._table(colour.spectrum)
         if not colour.HasField("texture"):
-            return reflectance(name, table)
-        if table.constant is None:
-            self._lost("a texture times a spectrum has no equal in pbrt")
-        factor = 1.0 if table.constant is None else table.constant
-        pixels = factor * self._context.compiled.picture(colour.texture.texture)
+            return reflectance(name, self._table(colour.spectrum))
+        pixels = self._context.compiled.colours(colour, self._place)
         rgb = np.repeat(pixels, 3, axis=2) if pixels.shape[2] == 1 else pixels
         return texture(name, self._picture("spectrum", colour.texture, rgb))
 

@@ -5,7 +5,7 @@ from nocturne.v1 import scene_pb2
 
 from nocturne_scene.formats.pbrt.write.context import Context
 from nocturne_scene.formats.pbrt.write.directives import directive, quoted, real, spectrum, text
-from nocturne_scene.formats.writing.compiled import Body, Medium
+from nocturne_scene.formats.writing.compiled import Body
 from nocturne_scene.formats.writing.tables import Table
 from nocturne_scene.spectra.published import visible_wavelengths
 
@@ -14,28 +14,22 @@ def medium(context: Context, body: Body | None, place: str) -> str:
     """The name of what fills a body; empty for nothing."""
     if body is None or body.is_empty:
         return ""
-    first, *others = body.media
-    if any(each.phase != first.phase and not each.scattering.is_black for each in others):
-        context.findings.lost(place, "media with different phase functions in one body can't be exported")
+    scatterer = context.compiled.scatterer(body, place)
     if any(each.density is not None for each in body.media):
         context.findings.lost(place, "a density grid can't be exported yet")
     key = repr(body.media)
     if key not in context.media:
         context.media[key] = f"medium{len(context.media)}"
-        context.head.append(_homogeneous(context, body.media, context.media[key], place))
+        line = directive(
+            "MakeNamedMedium",
+            quoted(context.media[key]),
+            text("type", "homogeneous"),
+            spectrum("sigma_a", _sum([each.absorption for each in body.media])),
+            spectrum("sigma_s", _sum([each.scattering for each in body.media])),
+            real("g", _g(context, scatterer.phase, place)),
+        )
+        context.head.append(line)
     return context.media[key]
-
-
-def _homogeneous(context: Context, media: tuple[Medium, ...], name: str, place: str) -> str:
-    scatterer = next((each for each in media if not each.scattering.is_black), media[0])
-    return directive(
-        "MakeNamedMedium",
-        quoted(name),
-        text("type", "homogeneous"),
-        spectrum("sigma_a", _sum([each.absorption for each in media])),
-        spectrum("sigma_s", _sum([each.scattering for each in media])),
-        real("g", _g(context, scatterer.phase, place)),
-    )
 
 
 def _sum(tables: list[Table]) -> Table:

@@ -83,16 +83,9 @@ def _luminaire(
     made: Material,
     place: str,
 ) -> str:
-    if surface.group:
-        context.findings.lost(place, "luminaires in groups can't be exported")
+    context.compiled.refuse_other_luminaires(luminaire, surface.group, place)
     if made.is_interface or made.opacity:
         context.findings.lost(place, "a luminaire that lets light through has no equal in pbrt")
-    if luminaire.WhichOneof("profile"):
-        context.findings.lost(
-            f"{place}.profile", "a luminaire whose radiance depends on direction has no equal in pbrt"
-        )
-    if luminaire.radiance.HasField("texture"):
-        context.findings.lost(f"{place}.radiance", "a textured luminaire can't be exported")
     radiance = light("L", context.compiled.table(luminaire.radiance.spectrum))
     return directive("AreaLightSource", quoted("diffuse"), *radiance, switch("twosided", luminaire.two_sided))
 
