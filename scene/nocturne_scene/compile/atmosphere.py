@@ -10,9 +10,8 @@ from nocturne.v1 import scene_pb2
 from numpy.typing import NDArray
 
 from nocturne_scene.compile import spectra
-from nocturne_scene.compile.altitudes import above_sphere
 from nocturne_scene.compile.kernel_leaves import null_kernel
-from nocturne_scene.compile.media import Media, Substance
+from nocturne_scene.compile.media import Media, Substance, above_sphere
 from nocturne_scene.compile.sensors import unit, vector
 from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document import bounds

@@ -10,6 +10,7 @@ from nocturne.v1 import scene_pb2
 
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.compile.atmosphere import atmosphere_surfaces
+from nocturne_scene.compile.environment import has_sky
 from nocturne_scene.compile.grids import Grids
 from nocturne_scene.compile.instances import Instances
 from nocturne_scene.compile.kernels import Kernels
@@ -21,7 +22,6 @@ from nocturne_scene.compile.origin import frame_of
 from nocturne_scene.compile.output import CompiledOutput
 from nocturne_scene.compile.sensors import compile_sensor
 from nocturne_scene.compile.shapes import Shapes
-from nocturne_scene.compile.sky import has_sky
 from nocturne_scene.compile.surfaces import Surfaces
 from nocturne_scene.compile.textures import Textures
 from nocturne_scene.compile.tracing import compile_tracing

@@ -87,3 +87,8 @@ def _texels(workspace: Workspace, asset: str, *, points: bool) -> tuple[bytes, i
     blob = workspace.keep(texels.getvalue())
     workspace.note_made(about, blob, [columns, rows])
     return blob, columns, rows
+
+
+def has_sky(scene: scene_pb2.CompiledScene) -> bool:
+    """Whether a compiled scene has an environment, or discs at infinity such as the Sun's."""
+    return scene.HasField("environment") or bool(scene.distant_discs)

@@ -8,12 +8,14 @@ import numpy as np
 from nocturne.v1 import scene_pb2
 
 from nocturne_scene.compile import spectra
-from nocturne_scene.compile.altitudes import above
 from nocturne_scene.compile.grids import Grids
 from nocturne_scene.compile.indices import compile_index
+from nocturne_scene.compile.sensors import unit, vector
 from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document import bounds
 from nocturne_scene.document.media import (
+    AbovePlane,
+    AboveSphere,
     DoubleHenyeyGreensteinPhase,
     Droplets,
     ExponentialDensity,
@@ -31,8 +33,9 @@ from nocturne_scene.document.medium_interfaces import Interior
 from nocturne_scene.document.problems import path
 from nocturne_scene.media import mie, rayleigh
 from nocturne_scene.media import presets as media_presets
+from nocturne_scene.meshes.similarity import Similarity
 from nocturne_scene.spectra import indices
-from nocturne_scene.spectra.published import visible_wavelengths
+from nocturne_scene.spectra.published import Floats, visible_wavelengths
 
 
 class Substance(NamedTuple):
@@ -290,3 +293,18 @@ def _inside(field: str) -> Iterator[None]:
         yield
     except Unusable as error:
         raise Unusable(str(error), field + error.suffix) from None
+
+
+def above(ground: AbovePlane | AboveSphere, frame: Similarity) -> scene_pb2.AltitudeDensity:
+    """Return a density without its profile."""
+    if isinstance(ground, AboveSphere):
+        return above_sphere(np.array(ground.centre), ground.radius, frame)
+    base = frame.points(np.array(ground.point))
+    return scene_pb2.AltitudeDensity(base=vector(base), up=vector(unit(np.array(ground.up))))
+
+
+def above_sphere(centre: Floats, radius: float, frame: Similarity) -> scene_pb2.AltitudeDensity:
+    """Return the same, from the point of the ground that is below the compiled scene's origin."""
+    centre = frame.points(centre)
+    up = -unit(centre) if np.any(centre) else np.array([0.0, 1.0, 0.0])
+    return scene_pb2.AltitudeDensity(base=vector(centre + radius * up), up=vector(up), radius=radius)

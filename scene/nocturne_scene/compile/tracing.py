@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from nocturne.v1 import scene_pb2
 
-from nocturne_scene.compile.sky import has_sky
+from nocturne_scene.compile.environment import has_sky
 from nocturne_scene.compile.ways import DIRECTIONS, Ways
 from nocturne_scene.compile.workspace import Workspace
 from nocturne_scene.document.tracing import Mixture, Tracing

@@ -15,7 +15,7 @@ from typing import Any
 
 from nocturne.v1 import scene_pb2
 
-from nocturne_scene.compile.sky import has_sky
+from nocturne_scene.compile.environment import has_sky
 from nocturne_scene.compile.trace_program import run_trace
 from nocturne_scene.compile.unmet import unmet_light, unmet_parts
 from nocturne_scene.document.checks import CAMERAS, MET_BY_PHOTONS

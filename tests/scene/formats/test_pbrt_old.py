@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from nocturne_scene.errors import InputError
 from nocturne_scene.formats.import_scene import Incomplete, import_scene
-from nocturne_scene.formats.pbrt.read.old_roughness import alpha_of
+from nocturne_scene.formats.pbrt.read.old_materials import alpha_of
 from nocturne_scene.formats.reading.options import Imported, ImportOptions
 from nocturne_scene.textures.environment_maps import read_whole
 

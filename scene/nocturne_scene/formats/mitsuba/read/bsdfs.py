@@ -12,8 +12,7 @@ from typing import Any
 from nocturne_scene.errors import InputError
 from nocturne_scene.formats.mitsuba.read import lobes, spectra, textures
 from nocturne_scene.formats.mitsuba.read.context import Context
-from nocturne_scene.formats.mitsuba.read.elements import Element
-from nocturne_scene.formats.mitsuba.read.number_lists import numbers
+from nocturne_scene.formats.mitsuba.read.elements import Element, numbers
 from nocturne_scene.formats.mitsuba.read.principled import principled
 from nocturne_scene.formats.mitsuba.read.properties import Properties
 from nocturne_scene.formats.reading import colours, metals

@@ -1,6 +1,7 @@
 """XML as elements; those that a scene may have a million of are given away as soon as they end."""
 
 import json
+import math
 import os
 import re
 import tempfile
@@ -23,6 +24,10 @@ _PIECE_BYTES = 2**20
 # A declaration of an encoding other than UTF-8 and UTF-16.
 _OTHER_ENCODING = re.compile(rb"""\s*<\?xml[^>]*\sencoding\s*=\s*["'](?!utf-?8|utf-?16)""", re.IGNORECASE)
 _HEAD_BYTES = 256
+_SEPARATORS = re.compile(r"[\s,]+")
+
+# Numbers of one value: far more than a matrix has, as many as a table of 1 nm has.
+_MAX_NUMBERS = 20_000
 
 
 @dataclass
@@ -158,3 +163,19 @@ def parse_xml(file: Path, shown: str, part: Part) -> None:
         raise InputError.at(shown, f"has an encoding that can't be read: {str(error)[:200]}") from None
     if builder.root is None:
         raise InputError.at(shown, "is empty")
+
+
+def numbers(text: str, place: str, count: int | None = None) -> list[float]:
+    """Numbers with spaces or commas between them. Raises InputError."""
+    parts = [part for part in _SEPARATORS.split(text.strip()) if part]
+    if len(parts) > _MAX_NUMBERS:
+        raise InputError.at(place, f"more than {_MAX_NUMBERS:,} numbers")
+    try:
+        values = [float(part) for part in parts]
+    except ValueError:
+        raise InputError.at(place, f'expected numbers, found "{text.strip()[:60]}"') from None
+    if not all(math.isfinite(value) for value in values):
+        raise InputError.at(place, f'expected finite numbers, found "{text.strip()[:60]}"')
+    if count is not None and len(values) != count:
+        raise InputError.at(place, f"expected {count} numbers, found {len(values)}")
+    return values

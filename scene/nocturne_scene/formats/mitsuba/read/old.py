@@ -3,8 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from nocturne_scene.formats.mitsuba.read.elements import Element
-from nocturne_scene.formats.mitsuba.read.number_lists import numbers
+from nocturne_scene.formats.mitsuba.read.elements import Element, numbers
 from nocturne_scene.formats.mitsuba.read.old_values import made, said
 from nocturne_scene.formats.reading.findings import Findings
 

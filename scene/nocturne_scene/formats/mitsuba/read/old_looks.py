@@ -5,8 +5,7 @@ Each rule's docstring has its source: a file of Mitsuba 0.6 below src, if no oth
 
 from collections.abc import Callable
 
-from nocturne_scene.formats.mitsuba.read.elements import Element
-from nocturne_scene.formats.mitsuba.read.number_lists import numbers
+from nocturne_scene.formats.mitsuba.read.elements import Element, numbers
 from nocturne_scene.formats.mitsuba.read.old import Old
 from nocturne_scene.formats.mitsuba.read.old_values import made, said
 

@@ -7,8 +7,7 @@ import math
 import re
 
 from nocturne_scene.errors import InputError
-from nocturne_scene.formats.mitsuba.read.elements import Element
-from nocturne_scene.formats.mitsuba.read.number_lists import numbers
+from nocturne_scene.formats.mitsuba.read.elements import Element, numbers
 from nocturne_scene.formats.reading import colours
 
 _PLANCK = 6.62607015e-34

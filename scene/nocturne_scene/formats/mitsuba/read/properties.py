@@ -4,8 +4,7 @@ from collections.abc import Callable
 from typing import TypeVar
 
 from nocturne_scene.errors import InputError
-from nocturne_scene.formats.mitsuba.read.elements import Element
-from nocturne_scene.formats.mitsuba.read.number_lists import numbers
+from nocturne_scene.formats.mitsuba.read.elements import Element, numbers
 from nocturne_scene.formats.mitsuba.read.tree import SceneTree
 from nocturne_scene.formats.reading import transforms
 from nocturne_scene.formats.reading.findings import Findings

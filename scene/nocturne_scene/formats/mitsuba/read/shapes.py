@@ -12,10 +12,9 @@ from nocturne_scene.errors import InputError
 from nocturne_scene.formats.mitsuba.read import attributes, textures
 from nocturne_scene.formats.mitsuba.read.bsdfs import Bsdf, bsdf, front_only
 from nocturne_scene.formats.mitsuba.read.context import Context
-from nocturne_scene.formats.mitsuba.read.elements import Element
+from nocturne_scene.formats.mitsuba.read.elements import Element, numbers
 from nocturne_scene.formats.mitsuba.read.generated import GENERATED
 from nocturne_scene.formats.mitsuba.read.media import interior
-from nocturne_scene.formats.mitsuba.read.number_lists import numbers
 from nocturne_scene.formats.mitsuba.read.properties import Properties
 from nocturne_scene.formats.mitsuba.read.serialized import read_serialized
 from nocturne_scene.formats.mitsuba.read.units import white

@@ -5,8 +5,7 @@ from collections.abc import Callable
 from nocturne_scene.errors import InputError
 from nocturne_scene.formats.mitsuba.read import units
 from nocturne_scene.formats.mitsuba.read.context import Context
-from nocturne_scene.formats.mitsuba.read.elements import Element
-from nocturne_scene.formats.mitsuba.read.number_lists import numbers
+from nocturne_scene.formats.mitsuba.read.elements import Element, numbers
 from nocturne_scene.formats.reading import colours
 from nocturne_scene.formats.reading.scene_files import read_text
 from nocturne_scene.formats.reading.scene_writer import Json

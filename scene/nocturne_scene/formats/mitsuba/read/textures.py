@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from nocturne_scene.errors import InputError
 from nocturne_scene.formats.mitsuba.read import spectra
 from nocturne_scene.formats.mitsuba.read.context import Context
-from nocturne_scene.formats.mitsuba.read.elements import Element
-from nocturne_scene.formats.mitsuba.read.number_lists import numbers
+from nocturne_scene.formats.mitsuba.read.elements import Element, numbers
 from nocturne_scene.formats.mitsuba.read.properties import Properties, vector
 from nocturne_scene.formats.reading import colours
 from nocturne_scene.formats.reading.scene_writer import Json

@@ -8,11 +8,21 @@ import math
 
 from nocturne_scene.formats.pbrt.read import spectra
 from nocturne_scene.formats.pbrt.read.context import Context
-from nocturne_scene.formats.pbrt.read.old_roughness import alpha_of
 from nocturne_scene.formats.pbrt.read.parameters import Parameters
 from nocturne_scene.formats.reading import colours, metals
 from nocturne_scene.formats.reading.scene_writer import Json
 from nocturne_scene.spectra.published import SRGB_LUMINANCE
+
+# RoughnessToAlpha in src/core/microfacet.h of pbrt-v3: of the logarithm of a roughness of 0.001 or more.
+_ALPHA = (1.62142, 0.819955, 0.1734, 0.0171201, 0.000640711)
+
+
+def alpha_of(roughness: float, *, remap: bool) -> float:
+    """Alpha of microfacets from a roughness of pbrt-v3, at most 1; 0 is polished."""
+    if not remap or roughness == 0:
+        return min(roughness, 1.0)
+    x = math.log(max(roughness, 1e-3))
+    return min(1.0, sum(coefficient * x**power for power, coefficient in enumerate(_ALPHA)))
 
 
 def plastic(context: Context, parameters: Parameters) -> Json:

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from nocturne_scene.errors import InputError
 from nocturne_scene.formats.pbrt.read import spectra
 from nocturne_scene.formats.pbrt.read.context import Context
-from nocturne_scene.formats.pbrt.read.old_roughness import alpha_of
+from nocturne_scene.formats.pbrt.read.old_materials import alpha_of
 from nocturne_scene.formats.pbrt.read.parameters import Parameter
 from nocturne_scene.formats.reading import colours
 from nocturne_scene.spectra.published import XYZ_TO_SRGB
