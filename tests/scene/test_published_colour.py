@@ -114,7 +114,7 @@ def test_spread_of_uniform_wavelengths(
     ],
 )
 def test_black_bodies(temperature: float, luminance: float, x: float, y: float) -> None:
-    xyz = spectra.planck(temperature, WAVELENGTHS) @ spectra.response()
+    xyz = published.planck(temperature, WAVELENGTHS) @ spectra.response()
     assert xyz[1] * 683.002 / 683 == pytest.approx(luminance, rel=3e-6)
     assert xy(xyz) == pytest.approx((x, y), rel=3e-6)
 

@@ -31,11 +31,6 @@ from nocturne_scene.spectra.published import FIRST, LAST, STEP, visible_waveleng
 # The observer of photometry: whose Y is luminance.
 STANDARD_OBSERVER = "CIE 1931 2 degree"
 
-# SI 2019, exact: J s, m/s, J/K.
-PLANCK = 6.62607015e-34
-LIGHT_SPEED = 299_792_458.0
-BOLTZMANN = 1.380649e-23
-
 # nm. Coarsest first; FALLBACK_STEP is used when none fits.
 STEPS = (100.0, 50.0, 20.0, 10.0, 5.0, 4.0, 2.0, 1.0, 0.5, 0.2, 0.1, 0.05, 0.02, 0.01)
 FALLBACK_STEP = 0.1
@@ -57,18 +52,6 @@ def response(observer: str = STANDARD_OBSERVER) -> NDArray[np.float64]:
     Summed over wavelengths against spectral radiance in W m-2 sr-1 nm-1 they give XYZ with Y in cd/m2.
     """
     return published.MAX_LUMINOUS_EFFICACY * published.observer(observer)
-
-
-def planck(temperature: float, wavelengths: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the spectral radiance of a black body in vacuum, W m-2 sr-1 nm-1, at wavelengths in nm.
-
-    Temperature in K.
-    """
-    metres = wavelengths * 1e-9
-    exponent = PLANCK * LIGHT_SPEED / (metres * BOLTZMANN * temperature)
-    # exp(-x) / (1 - exp(-x)) instead of 1 / (exp(x) - 1): no overflow for a cold body.
-    per_metre = 2 * PLANCK * LIGHT_SPEED**2 / metres**5 * np.exp(-exponent) / -np.expm1(-exponent)
-    return per_metre * 1e-9
 
 
 def reflectance(spectrum: Spectrum) -> scene_pb2.Spectrum:
@@ -274,7 +257,7 @@ def _sampled(spectrum: Spectrum, outside: Outside) -> _Sampled:
             return _from_table(knots[:, 0], knots[:, 1], spectrum.outside or outside)
         case BlackbodySpectrum():
             wavelengths = visible_wavelengths()
-            return _Sampled(FIRST, STEP, planck(spectrum.blackbody, wavelengths), zero_outside=True)
+            return _Sampled(FIRST, STEP, published.planck(spectrum.blackbody, wavelengths), zero_outside=True)
         case IlluminantSpectrum():
             return _illuminant(spectrum.illuminant)
         case LineSpectrum():

@@ -28,6 +28,11 @@ STEP = 1.0
 # lm/W. CIE 018:2019: the luminous efficacy that makes Y the luminance in cd/m2.
 MAX_LUMINOUS_EFFICACY = 683.0
 
+# SI 2019, exact: J s, m/s, J/K.
+PLANCK = 6.62607015e-34
+LIGHT_SPEED = 299_792_458.0
+BOLTZMANN = 1.380649e-23
+
 # IEC 61966-2-1: the printed matrices between XYZ (Y of white = 1) and linear sRGB, and Y of red, green
 # and blue.
 XYZ_TO_SRGB = np.array([[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]])
@@ -159,6 +164,18 @@ def _illuminant_a(wavelengths: Floats) -> Floats:
     c2 = 1.435e7  # nm K, as when A was defined
     at_560 = np.expm1(c2 / (2848 * 560))
     return np.asarray(100 * (560 / wavelengths) ** 5 * at_560 / np.expm1(c2 / (2848 * wavelengths)))
+
+
+def planck(temperature: float, wavelengths: Floats) -> Floats:
+    """Return the spectral radiance of a black body in vacuum, W m-2 sr-1 nm-1, at wavelengths in nm.
+
+    Temperature in K.
+    """
+    metres = wavelengths * 1e-9
+    exponent = PLANCK * LIGHT_SPEED / (metres * BOLTZMANN * temperature)
+    # exp(-x) / (1 - exp(-x)) instead of 1 / (exp(x) - 1): no overflow for a cold body.
+    per_metre = 2 * PLANCK * LIGHT_SPEED**2 / metres**5 * np.exp(-exponent) / -np.expm1(-exponent)
+    return np.asarray(per_metre * 1e-9)
 
 
 @lru_cache(maxsize=len(CHART_PATCHES))

@@ -3,16 +3,13 @@
 Source, where none is named: endElement in src/librender/scenehandler.cpp of Mitsuba 0.6.
 """
 
-import math
 import re
 
 from nocturne_scene.errors import InputError
 from nocturne_scene.formats.mitsuba.read.elements import Element, numbers
 from nocturne_scene.formats.reading import colours
+from nocturne_scene.spectra.published import planck
 
-_PLANCK = 6.62607015e-34
-_LIGHT = 299792458.0
-_BOLTZMANN = 1.380649e-23
 _LETTERS = re.compile(r"(?<=[a-z])([A-Z]+)")
 
 
@@ -90,15 +87,9 @@ def _upgrade_blackbody(element: Element) -> None:
         element.attributes["type"] = "blackbody"
         element.children = [said("float", "temperature", kelvin, element.place)]
         return
-    element.attributes["value"] = " ".join(
-        f"{nm}:{scale * _planck(nm * 1e-9, kelvin)!r}" for nm in range(360, 831, 5)
-    )
-
-
-def _planck(metres: float, kelvin: float) -> float:
-    """Radiance of a black body, W m-2 sr-1 nm-1; M. Planck, Annalen der Physik 309, 1901."""
-    power = min(_PLANCK * _LIGHT / (metres * _BOLTZMANN * kelvin), 700.0)
-    return 2e-9 * _PLANCK * _LIGHT**2 / metres**5 / math.expm1(power)
+    values = (scale * planck(kelvin, colours.SMOOTH)).tolist()
+    knots = zip(colours.SMOOTH.tolist(), values, strict=True)
+    element.attributes["value"] = " ".join(f"{nm:g}:{value!r}" for nm, value in knots)
 
 
 def upgrade_steps(element: Element) -> None:

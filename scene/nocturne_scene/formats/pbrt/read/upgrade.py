@@ -6,10 +6,11 @@ else a file of pbrt-v3 below src. Where both disagree pbrt-v3 counts, as its ima
 Materials that pbrt-v4 has nothing like are in old_materials.py.
 """
 
-import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+
+import numpy as np
 
 from nocturne_scene.errors import InputError
 from nocturne_scene.formats.pbrt.read import spectra
@@ -17,7 +18,7 @@ from nocturne_scene.formats.pbrt.read.context import Context
 from nocturne_scene.formats.pbrt.read.old_materials import alpha_of
 from nocturne_scene.formats.pbrt.read.parameters import Parameter
 from nocturne_scene.formats.reading import colours
-from nocturne_scene.spectra.published import XYZ_TO_SRGB
+from nocturne_scene.spectra.published import XYZ_TO_SRGB, planck
 
 # Materials that only pbrt-v3 has: materials/*.cpp.
 OLD_MATERIALS = frozenset(
@@ -39,10 +40,8 @@ _SCATTERED = ("Kd", "Ks", "Kr", "Kt", "reflect", "transmit", "opacity", "color")
 # What named tables of metals are called in pbrt-v3's scenes, and in pbrt-v4.
 _METAL_FILE = re.compile(r"(?:.*/)?(Ag|Al|Au|Cu)\.(eta|k)\.spd")
 
-_SECOND_RADIATION = 0.01438776877
-"""h c / k, metres kelvin."""
-_WIEN = 2.8977721e-3
-"""Wavelength of the most radiance times temperature, metres kelvin."""
+_WIEN = 2.8977721e6
+"""Wavelength of the most radiance times temperature, nm kelvin."""
 
 
 @dataclass
@@ -251,11 +250,8 @@ def _luminance_of_black_body(found: Parameter, kelvin: float) -> float:
     if not 100 <= kelvin <= 1e6:
         raise InputError.at(found.place, f"expected a temperature of 100 to 1000000 K, found {kelvin:g}")
 
-    def radiance(metres: float) -> float:
-        return float(metres**-5 / math.expm1(min(_SECOND_RADIATION / (metres * kelvin), 700.0)))
-
-    most = radiance(_WIEN / kelvin)
-    table = {"table": [[nm, radiance(nm * 1e-9) / most] for nm in colours.SMOOTH.tolist()]}
+    most = planck(kelvin, np.array([_WIEN / kelvin]))
+    table = colours.table(colours.SMOOTH, planck(kelvin, colours.SMOOTH) / most)
     return colours.luminance_of(table) / colours.luminance_of(1.0)
 
 
