@@ -18,7 +18,7 @@ from nocturne_scene.compile.placement import placement_of
 from nocturne_scene.compile.shapes import Shapes
 from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document.kernels import Dielectric, Kernel, Lambertian
-from nocturne_scene.document.model import SceneDocument
+from nocturne_scene.document.model import SceneDocument, all_surfaces
 from nocturne_scene.document.problems import path
 from nocturne_scene.document.shapes import DIGEST_PREFIX, AssetMesh, Disc, InlineMesh, MediumBox, Quad, Sphere
 from nocturne_scene.document.surfaces import Surface
@@ -71,8 +71,9 @@ def _open_bodies(workspace: Workspace, shapes: Shapes) -> Iterator[str]:
     """Surfaces of one body may close it together: those with the same kernel and interior."""
     document = workspace.document
     bodies: dict[tuple[str, str], list[tuple[str, Surface]]] = defaultdict(list)
-    for group, place, surface in _surfaces(document):
+    for place, surface in all_surfaces(document):
         if _encloses(document, surface):
+            group = place.rpartition("[")[0]
             bodies[(group, f"{surface.kernel!r} {surface.interior!r}")].append((place, surface))
     for boundary in bodies.values():
         edges = _edges_of(workspace, shapes, [surface for _, surface in boundary])
@@ -107,15 +108,6 @@ def _edges_of(workspace: Workspace, shapes: Shapes, boundary: list[Surface]) -> 
     if about is not None:
         workspace.note_found(about, edges)
     return edges
-
-
-def _surfaces(document: SceneDocument) -> Iterator[tuple[str, str, Surface]]:
-    for index, surface in enumerate(document.surfaces):
-        yield "", path(("surfaces", index)), surface
-    for name, group in document.groups.items():
-        for index, part in enumerate(group):
-            if isinstance(part, Surface):
-                yield name, path(("groups", name, index)), part
 
 
 def _encloses(document: SceneDocument, surface: Surface) -> bool:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from nocturne_scene.errors import InputError
 from nocturne_scene.formats.mitsuba.read.elements import Element
 from nocturne_scene.formats.mitsuba.read.properties import Properties
 from nocturne_scene.formats.mitsuba.read.tree import SceneTree
@@ -50,3 +51,12 @@ class Context:
     def properties(self, element: Element) -> Properties:
         """The parameters of a plugin."""
         return Properties(element, self.tree, self.findings)
+
+    def file(self, properties: Properties, what: str = "") -> Path:
+        """Return the file that a plugin needs. Raises InputError."""
+        name = properties.text("filename", None)
+        if name is None:
+            raise InputError.at(
+                properties.place, f'{what or f"a {properties.element.type}"} needs "filename"'
+            )
+        return self.tree.file(properties.element, name)

@@ -179,3 +179,14 @@ def numbers(text: str, place: str, count: int | None = None) -> list[float]:
     if count is not None and len(values) != count:
         raise InputError.at(place, f"expected {count} numbers, found {len(values)}")
     return values
+
+
+def hexadecimal(element: Element) -> list[float] | None:
+    """Red, green and blue of #rrggbb, 1 being the largest; None for another form. Raises InputError."""
+    text = element.need("value").strip()
+    if not text.startswith("#") or len(text) != 7:
+        return None
+    try:
+        return [int(text[i : i + 2], 16) / 255 for i in (1, 3, 5)]
+    except ValueError:
+        raise InputError.at(element.place, f'expected six hexadecimal digits, found "{text}"') from None

@@ -179,14 +179,12 @@ def _directional(context: Context, properties: Properties) -> None:
 
 
 def _envmap(context: Context, properties: Properties) -> None:
-    name = properties.text("filename", None)
-    if name is None:
-        raise InputError.at(properties.place, 'an envmap needs "filename"')
+    file = context.file(properties, "an envmap")
     scale = properties.number("scale", 1.0)
     to_world = properties.transform("to_world")
     properties.ignore("mis_compensation")
     try:
-        asset = _sky(context, context.tree.file(properties.element, name))
+        asset = _sky(context, file)
     except UnusableImageError as error:
         raise InputError.at(properties.place, str(error)) from None
     _set_environment(

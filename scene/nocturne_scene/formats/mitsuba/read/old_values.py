@@ -6,7 +6,7 @@ Source, where none is named: endElement in src/librender/scenehandler.cpp of Mit
 import re
 
 from nocturne_scene.errors import InputError
-from nocturne_scene.formats.mitsuba.read.elements import Element, numbers
+from nocturne_scene.formats.mitsuba.read.elements import Element, hexadecimal, numbers
 from nocturne_scene.formats.reading import colours
 from nocturne_scene.spectra.published import planck
 
@@ -42,16 +42,11 @@ def upgrade_colour(element: Element, *, emitted: bool) -> None:
 
 def _upgrade_rgb(element: Element) -> None:
     """Hexadecimal numbers of an <rgb> are linear; an <srgb> is encoded whatever its form."""
-    text = element.need("value").strip()
-    if text.startswith("#") and len(text) == 7:
-        try:
-            values = [int(text[i : i + 2], 16) / 255 for i in (1, 3, 5)]
-        except ValueError:
-            raise InputError.at(element.place, f'expected six hexadecimal digits, found "{text}"') from None
-    elif element.tag == "srgb":
-        values = numbers(text, element.place)
-    else:
+    values = hexadecimal(element)
+    if values is None and element.tag != "srgb":
         return
+    if values is None:
+        values = numbers(element.need("value"), element.place)
     if element.tag == "srgb":
         values = colours.decode_srgb(values)
     element.tag = "rgb"

@@ -4,7 +4,6 @@ import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import chain
-from pathlib import Path
 
 import numpy as np
 
@@ -108,13 +107,6 @@ def _named(context: Context, found: list[Element], material: Bsdf) -> Json:
     return context.bsdfs[name]
 
 
-def _file(properties: Properties, context: Context) -> Path:
-    name = properties.text("filename", None)
-    if name is None:
-        raise InputError.at(properties.place, f'a shape of type {properties.element.type} needs "filename"')
-    return context.tree.file(properties.element, name)
-
-
 def _mesh(
     context: Context,
     properties: Properties,
@@ -140,7 +132,7 @@ def _mesh(
 
 def _mesh_file(context: Context, properties: Properties, to_world: Matrix, material: _Material) -> Json:
     kind = "obj" if properties.element.type == "obj" else "ply"
-    file = _file(properties, context)
+    file = context.file(properties, f"a shape of type {properties.element.type}")
     # Of a file with v up the picture, as OBJ has it, nothing is to be turned over.
     upwards = properties.switch("flip_tex_coords", kind == "obj")
     if (file, kind) not in context.meshes:
@@ -171,7 +163,7 @@ def _turned_over(coordinates: Matrix) -> Matrix:
 
 
 def _serialized(context: Context, properties: Properties, to_world: Matrix, material: _Material) -> Json:
-    file = _file(properties, context)
+    file = context.file(properties, f"a shape of type {properties.element.type}")
     number = properties.whole("shape_index", 0)
     content = read_bytes(file, MAX_ASSET_BYTES, context.tree.files.shown(file))
     mesh = read_serialized(content, number, properties.place)
@@ -182,7 +174,7 @@ def _serialized(context: Context, properties: Properties, to_world: Matrix, mate
 
 def _curves(context: Context, properties: Properties, to_world: Matrix, material: _Material) -> Json:
     """Control points and radii, a line for each; empty lines between curves."""
-    file = _file(properties, context)
+    file = context.file(properties, f"a shape of type {properties.element.type}")
     shown = context.tree.files.shown(file)
     curves: list[list[list[float]]] = [[]]
     for number, line in enumerate(read_text(file, shown).split("\n")):

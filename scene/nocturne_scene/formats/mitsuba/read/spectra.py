@@ -5,7 +5,7 @@ from collections.abc import Callable
 from nocturne_scene.errors import InputError
 from nocturne_scene.formats.mitsuba.read import units
 from nocturne_scene.formats.mitsuba.read.context import Context
-from nocturne_scene.formats.mitsuba.read.elements import Element, numbers
+from nocturne_scene.formats.mitsuba.read.elements import Element, hexadecimal, numbers
 from nocturne_scene.formats.reading import colours
 from nocturne_scene.formats.reading.scene_files import read_text
 from nocturne_scene.formats.reading.scene_writer import Json
@@ -13,13 +13,10 @@ from nocturne_scene.formats.reading.scene_writer import Json
 
 def rgb(element: Element) -> list[float]:
     """Red, green, blue, linear."""
-    text = element.need("value").strip()
-    if text.startswith("#") and len(text) == 7:
-        try:
-            return colours.decode_srgb([int(text[i : i + 2], 16) / 255 for i in (1, 3, 5)])
-        except ValueError:
-            raise InputError.at(element.place, f'expected six hexadecimal digits, found "{text}"') from None
-    values = numbers(text, element.place)
+    encoded = hexadecimal(element)
+    if encoded is not None:
+        return colours.decode_srgb(encoded)
+    values = numbers(element.need("value"), element.place)
     if len(values) not in (1, 3):
         raise InputError.at(element.place, f"expected 1 or 3 numbers, found {len(values)}")
     return values * 3 if len(values) == 1 else values
@@ -33,12 +30,16 @@ def _rgb_reflectance(context: Context, element: Element) -> Json:
     return colours.reflectance(values)
 
 
-def _rgb_light(context: Context, element: Element) -> Json:
-    del context
+def _not_negative(element: Element, what: str) -> list[float]:
     values = rgb(element)
     if min(values) < 0:
-        raise InputError.at(element.place, "light is not negative")
-    return colours.light(values, units.white())
+        raise InputError.at(element.place, f"{what} is not negative")
+    return values
+
+
+def _rgb_light(context: Context, element: Element) -> Json:
+    del context
+    return colours.light(_not_negative(element, "light"), units.white())
 
 
 def _number(context: Context, element: Element) -> Json:
@@ -160,9 +161,7 @@ def light(context: Context, element: Element) -> Json:
 
 def _rgb_coefficient(context: Context, element: Element) -> Json:
     del context
-    values = rgb(element)
-    if min(values) < 0:
-        raise InputError.at(element.place, "a coefficient is not negative")
+    values = _not_negative(element, "a coefficient")
     return colours.reflectance(values) if max(values) <= 1 else colours.coefficient(values)
 
 

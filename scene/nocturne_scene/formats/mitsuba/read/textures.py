@@ -29,10 +29,7 @@ ATTRIBUTE = "attribute:"
 
 def _bitmap(context: Context, element: Element) -> Json:
     properties = context.properties(element)
-    name = properties.text("filename", None)
-    if name is None:
-        raise InputError.at(element.place, 'a bitmap needs "filename"')
-    file = context.tree.file(element, name)
+    file = context.file(properties)
     raw = properties.switch("raw", False)
     if properties.text("filter_type", "bilinear") != "bilinear":
         context.findings.note(
@@ -66,13 +63,7 @@ def _encoding(file: Path, raw: bool, element: Element) -> str:
 
 def _with_mirror_images(context: Context, file: Path, element: Element) -> str:
     """A picture of twice the size that repeats as the mirrored one goes on; values as they are stored."""
-    try:
-        with opened(file) as picture:
-            check_size(picture.spec(), MAX_PIXELS // 4, MAX_EDGE // 2)
-            pixels = np.atleast_3d(np.asarray(picture.read_image(oiio.FLOAT), dtype=np.float64))
-    except UnusableImageError as error:
-        raise InputError.at(element.place, str(error)) from None
-    pixels = pixels[..., : 3 if pixels.shape[2] >= 3 else 1]
+    pixels = _stored(file, element.place, 2)
     pixels = np.concatenate([pixels, pixels[:, ::-1]], axis=1)
     return context.writer.picture(file.stem, np.concatenate([pixels, pixels[::-1]]), narrow=True)
 
@@ -179,16 +170,21 @@ def changed(context: Context, use: Json, change: Callable[[Pixels], Pixels], pla
 def pixels_of(context: Context, use: Json, place: str) -> Pixels:
     """The linear values of a picture, shape (rows, columns, 1 or 3). Raises InputError."""
     texture = context.writer.document["textures"][use["texture"]]
-    try:
-        with opened(context.writer.folder / texture["asset"]) as picture:
-            check_size(picture.spec(), MAX_PIXELS, MAX_EDGE)
-            pixels = np.atleast_3d(np.asarray(picture.read_image(oiio.FLOAT), dtype=np.float64))
-    except UnusableImageError as error:
-        raise InputError.at(place, str(error)) from None
-    pixels = pixels[..., : 3 if pixels.shape[2] >= 3 else 1]
+    pixels = _stored(context.writer.folder / texture["asset"], place)
     if texture["encoding"] == "sRGB":
         pixels = decoded(pixels).astype(np.float64)
     return pixels
+
+
+def _stored(file: Path, place: str, repeats: int = 1) -> Pixels:
+    """The values of a picture that will be repeated in both directions, as they are stored."""
+    try:
+        with opened(file) as picture:
+            check_size(picture.spec(), MAX_PIXELS // repeats**2, MAX_EDGE // repeats)
+            pixels = np.atleast_3d(np.asarray(picture.read_image(oiio.FLOAT), dtype=np.float64))
+    except UnusableImageError as error:
+        raise InputError.at(place, str(error)) from None
+    return pixels[..., : 3 if pixels.shape[2] >= 3 else 1]
 
 
 def mean(context: Context, use: Json, unknown: float, place: str) -> float:

@@ -2,6 +2,7 @@
 
 import struct
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,7 +10,6 @@ from numpy.typing import NDArray
 from nocturne_scene.errors import InputError
 from nocturne_scene.formats.mitsuba.read import spectra
 from nocturne_scene.formats.mitsuba.read.context import Context
-from nocturne_scene.formats.mitsuba.read.elements import Element
 from nocturne_scene.formats.mitsuba.read.properties import Properties
 from nocturne_scene.formats.reading import transforms
 from nocturne_scene.formats.reading.grids import Grid
@@ -74,9 +74,7 @@ def _even(to_world: Matrix) -> Grid:
 
 
 def _grids(context: Context, properties: Properties) -> tuple[Grid, ...]:
-    name = properties.text("filename", None)
-    if name is None:
-        raise InputError.at(properties.place, 'a gridvolume needs "filename"')
+    file = context.file(properties)
     filtered = properties.text("filter_type", "trilinear")
     if filtered not in ("trilinear", "nearest"):
         raise InputError.at(properties.place, f'no filter "{filtered[:40]}"; expected trilinear or nearest')
@@ -84,7 +82,7 @@ def _grids(context: Context, properties: Properties) -> tuple[Grid, ...]:
         context.findings.note(properties.place, "beyond its box the grid is empty, whatever its wrap mode")
     # Three channels always become spectra by the same rule here.
     properties.ignore("raw", "accel")
-    values, box = _read(context, properties.element, name)
+    values, box = _read(context, file)
     to_world = properties.transform("to_world")
     if properties.switch("use_grid_bbox", False):
         low, high = box[:3], box[3:]
@@ -111,9 +109,8 @@ def _fills_its_faces(values: NDArray[np.float64]) -> bool:
     return bool(np.count_nonzero(values) > np.count_nonzero(values[:, 1:-1, 1:-1, 1:-1]))
 
 
-def _read(context: Context, element: Element, name: str) -> tuple[np.ndarray, list[float]]:
+def _read(context: Context, file: Path) -> tuple[np.ndarray, list[float]]:
     """Values by channel, x, y, z, and the box that the file says."""
-    file = context.tree.file(element, name)
     shown = context.tree.files.shown(file)
     content = read_bytes(file, MAX_ASSET_BYTES, shown)
     if len(content) < HEADER.size:
