@@ -27,11 +27,12 @@ from nocturne_scene.document.shapes import (
 )
 from nocturne_scene.meshes.headers import UnusableMeshError
 from nocturne_scene.meshes.similarity import Similarity
-from nocturne_scene.meshes.simple import box_mesh, disc_mesh, inline_mesh, quad_mesh
+from nocturne_scene.meshes.simple import simple_mesh
 from nocturne_scene.meshes.triangles import (
     BadVertexError,
     PackedMesh,
     Triangles,
+    area_vectors,
     pack_mesh,
     unit_normals,
 )
@@ -71,11 +72,11 @@ class Shapes:
                 return self._medium_box(shape, place)
             case InlineMesh():
                 try:
-                    mesh = inline_mesh(shape)
+                    mesh = simple_mesh(shape)
                     return self._new_mesh(mesh, shape.smooth, steps, place, coordinates)
                 except BadVertexError as error:
                     raise Unusable(error.reason, f".vertices[{error.index}]") from None
-        return self._new_mesh(_simple(shape), False, steps, place, coordinates=True)
+        return self._new_mesh(simple_mesh(shape), False, steps, place, coordinates=True)
 
     def extent(
         self, shape: AssetMesh | InlineMesh | Quad | Disc | Box, placement: Similarity
@@ -99,26 +100,16 @@ class Shapes:
 
     def vertices(self, shape: AssetMesh | InlineMesh | Quad | Disc | Box) -> NDArray[np.float64]:
         """Return a shape's corners before its placement, shape (n, 3). Unusable, UnusableMeshError."""
-        match shape:
-            case AssetMesh():
-                return self._asset(shape).vertices
-            case InlineMesh():
-                return np.array(shape.vertices)
-        return _simple(shape).vertices
+        return self.triangles(shape).vertices
 
     def triangles(self, shape: Shape) -> Triangles:
         """A shape that consists of triangles, before its placement. Raises Unusable, UnusableMeshError."""
         match shape:
             case Sphere() | MediumBox():
                 raise Unusable("is no shape of triangles", ".shape")
-            case InlineMesh():
-                try:
-                    return inline_mesh(shape)
-                except BadVertexError as error:
-                    raise Unusable(error.reason, f".vertices[{error.index}]") from None
             case AssetMesh():
                 return self._asset(shape)
-        return _simple(shape)
+        return simple_mesh(shape)
 
     def area(self, shape: Shape) -> float:
         """Area of a shape before its placement, m2. Raises Unusable, UnusableMeshError."""
@@ -233,8 +224,7 @@ def _packed(mesh: Triangles, smooth: bool, steps: Sequence[Similarity], coordina
 
 def _area(corners: NDArray[np.float64]) -> float:
     """Of triangles, shape (n, 3, 3)."""
-    edges = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    return float(np.linalg.norm(np.cross(*edges), axis=-1).sum()) / 2
+    return float(np.linalg.norm(area_vectors(corners), axis=-1).sum()) / 2
 
 
 def _about(what: str, shape: AssetMesh, steps: Sequence[Similarity]) -> NoteKey:
@@ -253,16 +243,6 @@ def put_shape(message: scene_pb2.Surface | scene_pb2.ImportantShape, shape: AnyS
             message.sphere.CopyFrom(shape)
         case _:
             message.mesh.CopyFrom(shape)
-
-
-def _simple(shape: Disc | Box | Quad) -> Triangles:
-    match shape:
-        case Disc():
-            return disc_mesh(shape)
-        case Box():
-            return box_mesh(shape)
-        case Quad():
-            return quad_mesh(shape)
 
 
 def _quad(quad: Quad, placement: Similarity) -> scene_pb2.Quad:

@@ -11,6 +11,19 @@ _TWO = np.array([[0, 1, 2], [0, 2, 3]])
 _SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
 
 
+def simple_mesh(shape: InlineMesh | Quad | Disc | Box) -> Triangles:
+    """Return the triangles of any of these shapes."""
+    match shape:
+        case InlineMesh():
+            return inline_mesh(shape)
+        case Quad():
+            return quad_mesh(shape)
+        case Disc():
+            return disc_mesh(shape)
+        case Box():
+            return box_mesh(shape)
+
+
 def inline_mesh(shape: InlineMesh) -> Triangles:
     """Return the triangles that a document holds itself."""
     return Triangles(

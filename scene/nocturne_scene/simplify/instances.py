@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from nocturne_scene.compile.placement import placement_of
 from nocturne_scene.document.model import SceneDocument
-from nocturne_scene.document.shapes import AssetMesh, Box, Disc, InlineMesh, Quad, Shape, Sphere
+from nocturne_scene.document.shapes import AssetMesh, MediumBox, Shape, Sphere
 from nocturne_scene.document.surfaces import Surface
 from nocturne_scene.meshes.files import load_mesh
 from nocturne_scene.meshes.placements import read_placements
-from nocturne_scene.meshes.simple import box_mesh, disc_mesh, inline_mesh, quad_mesh
+from nocturne_scene.meshes.simple import simple_mesh
 from nocturne_scene.simplify.simplification import Document, Find, Simplification
 
 SHARES = (0.5, 0.9)
@@ -86,16 +86,10 @@ def _points(shape: Shape, find: Find) -> NDArray[np.float64]:
             return _corners(np.stack([centre - shape.radius, centre + shape.radius]))
         case AssetMesh():
             return load_mesh(find(shape.asset), shape.resolved_format()).vertices
-        case InlineMesh():
-            return inline_mesh(shape).vertices
-        case Quad():
-            return quad_mesh(shape).vertices
-        case Disc():
-            return disc_mesh(shape).vertices
-        case Box():
-            return box_mesh(shape).vertices
-    # A medium's box stands where its grid stands, wherever the instance is.
-    return np.zeros((1, 3))
+        case MediumBox():
+            # It stands where its grid stands, wherever the instance is.
+            return np.zeros((1, 3))
+    return simple_mesh(shape).vertices
 
 
 def _corners(box: _Box) -> NDArray[np.float64]:
