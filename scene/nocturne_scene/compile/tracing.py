@@ -36,7 +36,7 @@ def compile_tracing(
 ) -> scene_pb2.Tracing:
     """Return how to trace a scene whose other parts are compiled; `scatters`: something sends light on.
 
-    `ways`: the document's choices, or a pilot's where the document leaves them open.
+    The settings are the document's, or a pilot's where the document leaves them open.
     """
     tracing = workspace.document.tracing
     there = {

@@ -38,7 +38,7 @@ def problem_at(suffix: str, message: str) -> PydanticCustomError:
 
 
 def tag_of(member: Any) -> str | None:
-    """Return how locations of errors name a member of a union; None for what is no single type."""
+    """Return how locations of errors name a member of a union; None for a union."""
     given = next((each.tag for each in getattr(member, "__metadata__", ()) if isinstance(each, Tag)), None)
     bare = get_args(member)[0] if get_origin(member) is Annotated else member
     return given or (f"<{bare.__name__}>" if isinstance(bare, type) else None)

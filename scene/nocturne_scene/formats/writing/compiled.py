@@ -248,7 +248,7 @@ class Compiled:
         return next((each for each in body.media if not each.scattering.is_black), first)
 
     def numbers(self, use: scene_pb2.TextureUse, *, complement: bool) -> Array:
-        """The picture of a number that varies, or of what it lacks to 1."""
+        """The picture of a number that varies, or of 1 less that number."""
         values = np.clip(use.gain * self.picture(use.texture) + use.bias, 0.0, 1.0)
         return 1 - values if complement else values
 
