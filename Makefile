@@ -195,8 +195,7 @@ profile: proto programs  ## What the tracer does in examples, for the compiler t
 sanitize: packages  ## C++ tests under the address and undefined-behaviour sanitizers
 	cd worker && cmake --fresh --preset sanitize --log-level=WARNING
 	cmake --build build/sanitize -- --quiet
-	@# The sanitizer opens modules in the program's stead, and does not know where that looks for them.
-	LD_LIBRARY_PATH=$(CURDIR)/build/sanitize/worker ctest --test-dir build/sanitize --output-on-failure --no-tests=error
+	ctest --test-dir build/sanitize --output-on-failure --no-tests=error
 
 bench: build  ## Speed figures, each a line of JSON; charts and latest results in bench/results
 	@cmake --build build/release --target nocturne-trace-plain -- --quiet

@@ -13,7 +13,6 @@ import numpy.typing as npt
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 
 from nocturne_scene.errors import InputError
-from nocturne_scene.textures.image_files import NO_DATE
 
 CHANNELS: dict[str, tuple[str, ...]] = {
     "albedo": ("albedo.R", "albedo.G", "albedo.B"),
@@ -29,6 +28,9 @@ and tev group them."""
 
 OBJECTS = "nocturne:objects"
 """An EXR attribute: names of surfaces, the first of which is object 1, as JSON."""
+
+_NO_DATE = "1970:01:01 00:00:00"
+"""Equal layers are equal files."""
 
 Values = npt.NDArray[np.float32]
 
@@ -62,7 +64,7 @@ def write_layers(path: Path, names: Sequence[str], values: Values, objects: str)
     spec.attribute("compression", "zip")
     spec.attribute(OBJECTS, objects)
     # Else the library writes that of now, and equal layers would not be equal files.
-    spec.attribute("DateTime", NO_DATE)
+    spec.attribute("DateTime", _NO_DATE)
     pixels = np.ascontiguousarray(values[..., [every.index(channel) for channel in wanted]])
     output = oiio.ImageOutput.create("exr")
     if output is None or not (output.open(str(path), spec) and output.write_image(pixels) and output.close()):

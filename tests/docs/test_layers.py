@@ -16,7 +16,7 @@ _SUBFOLDER = re.compile(r"^add_subdirectory\((\w+)\)", re.MULTILINE)
 _INCLUDE = re.compile(r'^#include "(\w+)/', re.MULTILINE)
 
 # Libraries that are not folders of worker/src.
-_NO_FOLDERS = {"contracts", "contracts_grpc", "flags", "image_library"}
+_NO_FOLDERS = {"contracts", "contracts_grpc", "flags"}
 
 
 def _order() -> list[str]:

@@ -15,6 +15,8 @@ from nocturne_scene.textures import image_files as image_textures
 from nocturne_scene.textures.pictures import UnusableImageError
 from numpy.typing import NDArray
 
+from tests.texture_files import levels_of
+
 Pixels = NDArray[np.float32]
 
 
@@ -145,22 +147,10 @@ def test_decoding() -> None:
     assert decoded == pytest.approx([0, 0.04 / 12.92, 0.0031308, 0.2140411, 1], abs=1e-6)
 
 
-def levels(texture: bytes, folder: Path) -> list[NDArray[np.float32]]:
-    (folder / "texture.exr").write_bytes(texture)
-    picture = oiio.ImageInput.open(str(folder / "texture.exr"))
-    assert picture is not None
-    found: list[NDArray[np.float32]] = []
-    while picture.seek_subimage(0, len(found)):
-        assert picture.spec().tile_width == 64
-        found.append(np.asarray(picture.read_image(0, len(found), 0, picture.spec().nchannels, oiio.FLOAT)))
-    picture.close()
-    return found
-
-
 def test_a_texture_has_linear_values_and_levels_down_to_one_pixel(tmp_path: Path) -> None:
     rng = np.random.default_rng(1)
     source = save(tmp_path / "a.png", rng.random((128, 256, 3)).astype(np.float32), "uint8")
-    found = levels(image_textures.convert(source, 3, "srgb").content, tmp_path)
+    found = levels_of(image_textures.convert(source, 3, "srgb").content)
     stored = np.asarray(oiio.ImageBuf(str(source)).get_pixels(oiio.FLOAT))
     expected = image_textures.decoded(stored)
     assert found[0] == pytest.approx(expected, rel=1e-3, abs=1e-6)
@@ -175,16 +165,14 @@ def test_equal_pictures_give_equal_bytes(tmp_path: Path, name: str) -> None:
     first = image_textures.convert(save(tmp_path / name, pixels), 3, "linear").content
     second = image_textures.convert(save(tmp_path / "other" / name, pixels), 3, "linear").content
     assert first == second
-    assert str(tmp_path).encode() not in first
-    assert b"1970:01:01 00:00:00" in first
 
 
 def test_channels(tmp_path: Path) -> None:
     colour = save(tmp_path / "a.exr", np.tile(np.array([0.5, 0.25, 1.0, 0.1], np.float32), (4, 4, 1)))
     grey = save(tmp_path / "b.exr", np.full((4, 4, 1), 0.25, np.float32))
-    one = levels(image_textures.convert(colour, 1, "linear").content, tmp_path)[0]
+    one = levels_of(image_textures.convert(colour, 1, "linear").content)[0]
     assert one.reshape(-1) == pytest.approx(0.2126 * 0.5 + 0.7152 * 0.25 + 0.0722)
-    three = levels(image_textures.convert(grey, 3, "linear").content, tmp_path)[0]
+    three = levels_of(image_textures.convert(grey, 3, "linear").content)[0]
     assert three.shape == (4, 4, 3)
     assert np.all(three == 0.25)
 

@@ -12,6 +12,8 @@ from nocturne_scene.blobs import BlobStore
 from nocturne_scene.errors import InputError
 from nocturne_scene.library_words import said_by
 
+from tests.texture_files import levels_of
+
 from .conftest import Compile, expect_problem
 
 SQUARE = {
@@ -37,7 +39,7 @@ def picture(tmp_path: Path, blobs: BlobStore) -> Any:
 
 
 def pixel(blobs: BlobStore, texture: scene_pb2.Texture) -> Any:
-    return oiio.ImageBuf(str(blobs.path(texture.blob.hex()))).getpixel(1, 1)
+    return levels_of(blobs.path(texture.blob.hex()).read_bytes())[0][1, 1]
 
 
 def test_a_colour_texture_brings_the_table_of_spectra(

@@ -23,7 +23,6 @@
 #include "pilot_command.h"
 #include "rounding/floating_point_profile.h"
 #include "scene/load_scene.h"
-#include "textures/texture.h"
 #include "trace_files.h"
 #include "trace_job.h"
 #include "tracer/layers.h"
@@ -38,7 +37,6 @@ namespace {
 struct Options {
   std::string scene, schedule, job, blobs, output, statistics, sums;
   unsigned threads = std::thread::hardware_concurrency();
-  std::uint64_t texture_bytes = kTextureMemoryBytes;
   unsigned seeds = 0;
   std::uint32_t layer_samples = 0;
   std::vector<std::string> pilot;
@@ -272,7 +270,6 @@ void run_seeds(const Options& options, v1::CompiledScene message,
 }
 
 void run(const Options& options) {
-  set_texture_memory(options.texture_bytes);
   if (!options.job.empty()) return run_job(options);
   const auto message = read_message<v1::CompiledScene>(options.scene);
   const auto schedule = read_message<v1::RangeSchedule>(options.schedule);
@@ -317,9 +314,6 @@ int run_command(std::vector<std::string> words) {
   app.add_option("-o,--output", options.output, "EXR to write, or sums")->required();
   app.add_option("--threads", options.threads, "Threads (default: all processors)")
       ->check(CLI::Range(1, 1024));
-  app.add_option("--texture-memory", options.texture_bytes,
-                 "Tiles of textures held in memory (default 256MiB)")
-      ->transform(CLI::AsSizeValue(false));
   app.add_option("--statistics", options.statistics,
                  "JSON file for photon and ray counts and times");
   app.add_option(
@@ -374,7 +368,7 @@ int run_command(std::vector<std::string> words) {
   return 0;
 }
 
-// For many small scenes: the image library with all that it links costs a start 0.3 s.
+// For many small scenes, without a start of the program for each.
 void run_commands() {
   for (std::string line; std::getline(std::cin, line);) {
     std::vector<std::string> words;

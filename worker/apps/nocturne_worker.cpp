@@ -16,7 +16,6 @@
 #include "job_tracer.h"
 #include "log/log.h"
 #include "rounding/floating_point_profile.h"
-#include "textures/texture.h"
 #include "worker_loop/worker.h"
 
 namespace {
@@ -33,7 +32,6 @@ struct Arguments {
   bool debug = false;
   bool enrol = false;
   std::string alive;
-  std::uint64_t texture_bytes = nocturne::kTextureMemoryBytes;
   nocturne::AssetCacheOptions cache;
 };
 
@@ -89,9 +87,6 @@ void add_options(CLI::App& app, Arguments& arguments) {
       ->transform(CLI::AsSizeValue(false));
   app.add_option("--cache-size", arguments.cache.max_cache_bytes,
                  "files not used for longest are removed when the cache has more; 64GiB")
-      ->transform(CLI::AsSizeValue(false));
-  app.add_option("--texture-memory", arguments.texture_bytes,
-                 "tiles of textures held in memory; 256MiB")
       ->transform(CLI::AsSizeValue(false));
   app.add_option(
          "--grace-seconds", arguments.grace_seconds,
@@ -159,7 +154,6 @@ void raise_open_files() {
 int run(const Arguments& arguments) {
   block_signals();
   raise_open_files();
-  nocturne::set_texture_memory(arguments.texture_bytes);
   nocturne::AssetCache assets(arguments.cache);
   nocturne::JobTracer tracer(assets, arguments.load_seconds);
   nocturne::WorkerOptions options{.redis = nocturne::redis_address(arguments.redis),

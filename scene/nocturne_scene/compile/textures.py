@@ -23,7 +23,7 @@ from nocturne_scene.spectra import rgb as rgb_spectra
 from nocturne_scene.textures import image_files as image_textures
 from nocturne_scene.textures.pictures import UnusableImageError, opened
 
-_CONVERSION = 4
+_CONVERSION = 5
 """Number of how pictures become texture files; raised with every change of that, since these are kept."""
 
 _ENCODINGS: dict[str, image_textures.Encoding] = {"sRGB": "srgb", "linear": "linear"}

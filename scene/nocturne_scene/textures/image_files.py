@@ -1,10 +1,5 @@
-"""Texture files: a picture becomes a tiled OpenEXR file with MIP levels and linear values, for the tracer's
-texture cache.
+"""Pictures become texture files of linear values."""
 
-Equal pictures give equal bytes: nothing of the source's or the machine's goes into the file but the pixels.
-"""
-
-import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -13,6 +8,7 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 
 from nocturne_scene.library_words import said_by
+from nocturne_scene.textures import texture_files
 from nocturne_scene.textures.pictures import UnusableImageError, check_size, opened
 
 # Pixels; as float32 in three channels 768 MiB while it is made.
@@ -24,8 +20,8 @@ Encoding = Literal["srgb", "linear"]
 # A texture's numbers beyond this can't be reflectances, weights, normals or heights.
 LARGEST = 1e6
 
-_TILE = 64
-NO_DATE = "1970:01:01 00:00:00"
+# Of a number of eight bits, as OpenImageIO reads it.
+_OF_CODES = np.arange(256, dtype=np.float32) * np.float32(1.0 / 255.0)
 
 
 @dataclass(frozen=True)
@@ -42,7 +38,8 @@ def convert(source: Path, channels: Literal[1, 3], encoding: Encoding) -> Textur
 
     `srgb`: values are decoded by IEC 61966-2-1. One channel of a colour picture is its luminance (after
     decoding); a grey picture as three channels has three equal ones. Opacity (alpha) is left out. 8-bit
-    values are kept in 16-bit floats, others in 32-bit ones. Raises UnusableImageError.
+    values stay such; luminances and means of them are kept in 16-bit floats. Other values are kept in those
+    if they all are such, and their means in 32-bit ones. Raises UnusableImageError.
     """
     with opened(source) as picture:
         spec = picture.spec()
@@ -56,11 +53,20 @@ def convert(source: Path, channels: Literal[1, 3], encoding: Encoding) -> Textur
         raise UnusableImageError(
             f"the picture holds infinite or undefined numbers, or some beyond {LARGEST:g}"
         )
-    if encoding == "srgb":
-        values = decoded(values)
-    values = _with_channels(values, channels)
-    kept = values.astype(np.float16) if narrow else values
-    return TextureFile(_texture(values, "half" if narrow else "float"), float(kept.min()), float(kept.max()))
+    if narrow and not (values.shape[2] == 3 and channels == 1):
+        codes = np.rint(values * np.float32(255.0)).astype(np.uint8)
+        table = _linear(_OF_CODES, encoding)
+        kept = table.astype(np.float16)[codes]
+        content = texture_files.packed_codes(_with_channels(codes, channels), table)
+    else:
+        values = _with_channels(_linear(values, encoding), channels)
+        kept = values.astype(np.float16) if narrow else values
+        content = texture_files.packed(values, narrow=narrow)
+    return TextureFile(content, float(kept.min()), float(kept.max()))
+
+
+def _linear(values: Any, encoding: Encoding) -> Any:
+    return decoded(values) if encoding == "srgb" else values
 
 
 def decoded(values: Any) -> Any:
@@ -79,25 +85,3 @@ def _with_channels(values: Any, channels: int) -> Any:
 
 # Y of linear sRGB, IEC 61966-2-1.
 _LUMINANCE: tuple[float, float, float] = (0.2126, 0.7152, 0.0722)
-
-
-def _texture(values: Any, kind: Literal["half", "float"]) -> bytes:
-    height, width, channels = values.shape
-    buffer = oiio.ImageBuf(oiio.ImageSpec(width, height, channels, oiio.FLOAT))
-    if not buffer.set_pixels(oiio.ROI(), np.ascontiguousarray(values)):
-        raise UnusableImageError(f"the picture can't be held: {said_by(buffer.geterror)}")
-    config = oiio.ImageSpec(oiio.HALF if kind == "half" else oiio.FLOAT)
-    config.tile_width = config.tile_height = _TILE
-    config.tile_depth = 1
-    config.attribute("maketx:fileformatname", "openexr")
-    config.attribute("maketx:filtername", "box")
-    config.attribute("maketx:hash", 0)
-    config.attribute("maketx:full_command_line", "")
-    config.attribute("compression", "zip")
-    # Would else be the time of day.
-    config.attribute("DateTime", NO_DATE)
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "texture.exr"
-        if not oiio.ImageBufAlgo.make_texture(oiio.MakeTxTexture, buffer, str(file), config):
-            raise UnusableImageError(f"no texture can be made of the picture: {said_by(oiio.geterror)}")
-        return file.read_bytes()

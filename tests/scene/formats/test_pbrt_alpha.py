@@ -14,6 +14,7 @@ from nocturne_scene.textures.image_files import convert
 from numpy.typing import NDArray
 
 from tests.pictures import read_pixels, write_exr, write_picture
+from tests.texture_files import levels_of
 
 # (v / 255) of 128 by the sRGB curve, IEC 61966-2-1.
 HALF = 0.21586
@@ -34,9 +35,8 @@ def numbers(tmp_path: Path, use: dict[str, Any], document: dict[str, Any]) -> ND
     """What a use of a texture as a number looks up, as it would be compiled."""
     texture = document["textures"][use["texture"]]
     encoding = {"sRGB": "srgb", "linear": "linear"}[texture["encoding"]]
-    made = tmp_path / "texture.exr"
-    made.write_bytes(convert(tmp_path / "out" / texture["asset"], 1, encoding).content)  # type: ignore[arg-type]
-    return np.asarray(read_pixels(made)[..., 0] * np.float32(use.get("gain", 1.0)))
+    made = convert(tmp_path / "out" / texture["asset"], 1, encoding)  # type: ignore[arg-type]
+    return np.asarray(levels_of(made.content)[0][..., 0] * np.float32(use.get("gain", 1.0)))
 
 
 def looked_up(tmp_path: Path, file: Path, given: str = "") -> NDArray[np.float32]:

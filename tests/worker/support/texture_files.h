@@ -1,5 +1,5 @@
-// Texture files as the scene compiler makes them, named by digits without an extension, as blobs
-// are. Gone with the object.
+// Texture files in the layout of textures/texture_file.h, named by digits without an extension, as
+// blobs are. Gone with the object.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +9,7 @@
 
 #include "nocturne/v1/scene.pb.h"
 #include "scene/scene_error.h"
+#include "textures/texture_file.h"
 
 namespace nocturne::test {
 
@@ -35,10 +36,10 @@ class TextureFiles {
   TextureFiles(const TextureFiles&) = delete;
   TextureFiles& operator=(const TextureFiles&) = delete;
 
-  /// Tiled, with MIP levels, float.
-  std::filesystem::path write(const Picture& picture) { return write(picture, true); }
-  /// A plain EXR: neither.
-  std::filesystem::path write_plain(const Picture& picture) { return write(picture, false); }
+  /// Coarser levels are means of the pixels below theirs. Codes are whole numbers of 0 to 255, and
+  /// stand for themselves.
+  std::filesystem::path write(const Picture& picture,
+                              TextureFile::Numbers numbers = TextureFile::Numbers::kFloat);
 
   /// Writes it and returns its index in the message's list.
   std::uint32_t add(v1::CompiledScene& message, const Picture& picture, bool clamp = false);
@@ -51,8 +52,6 @@ class TextureFiles {
   std::string last_digest() const { return digest_; }
 
  private:
-  std::filesystem::path write(const Picture& picture, bool texture);
-
   std::filesystem::path folder_;
   std::string digest_;  // 32 bytes, counted up
 };

@@ -1,21 +1,31 @@
 #include "textures/texture.h"
 
 #include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <iterator>
 #include <limits>
+#include <stdexcept>
+#include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "support/texture_files.h"
+#include "textures/texture_file.h"
 
 namespace nocturne {
 namespace {
 
 using test::Picture;
+using Numbers = TextureFile::Numbers;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
@@ -108,14 +118,37 @@ TEST_F(Textures, OneTexelIsATexture) {
   EXPECT_EQ(texture.grey(0.3f, 0.9f, 0.2f), 0.25f);
 }
 
-// What memory holds, and which thread asks, change nothing: 1024 x 1024 floats and their coarser
-// levels are more than fit.
-TEST_F(Textures, AnyThreadAndAnyCacheGivesTheSameBits) {
-  const Picture picture = Picture::of(1024, 1024, [](int x, int y) {
+// Strips meet at every 64th column; numbers that half and codes hold exactly.
+TEST_F(Textures, AnyNumbersAndAnyWidthGiveTheSameTexels) {
+  for (const int width : {63, 64, 65, 128, 150}) {
+    Picture picture{width, 5, 3, {}};
+    for (int i = 0; i < width * 15; ++i) {
+      picture.values.push_back(static_cast<float>(i * 7 % 251));
+    }
+    for (const auto numbers : {Numbers::kCodes, Numbers::kHalf, Numbers::kFloat}) {
+      const Texture texture(files_.write(picture, numbers), 3, TextureWrap::kRepeat);
+      for (int y = 0; y < 5; ++y) {
+        for (int x = 0; x < width; ++x) {
+          const auto at = [&](int column, int row) {
+            return picture
+                .values[static_cast<std::size_t>((row % 5 * width + column % width) * 3 + 1)];
+          };
+          const float expected =
+              0.25f * (at(x, y) + at(x + 1, y) + at(x, y + 1) + at(x + 1, y + 1));
+          const float u = static_cast<float>(x + 1) / static_cast<float>(width);
+          const float v = 1.0f - static_cast<float>(y + 1) / 5.0f;
+          ASSERT_NEAR(texture.rgb(u, v, 0.0f)[1], expected, 0.01f) << width << ' ' << x << ' ' << y;
+        }
+      }
+    }
+  }
+}
+
+TEST_F(Textures, AnyThreadGetsTheSameBits) {
+  const Texture texture = make(Picture::of(300, 200, [](int x, int y) {
     return std::sin(0.37f * static_cast<float>(x)) * std::cos(0.11f * static_cast<float>(y));
-  });
-  const Texture warm = make(picture), cold = make(picture);
-  const auto look_up = [](const Texture& texture) {
+  }));
+  const auto look_up = [&] {
     std::vector<float> found;
     std::uint32_t state = 1;
     const auto next = [&] {
@@ -128,86 +161,156 @@ TEST_F(Textures, AnyThreadAndAnyCacheGivesTheSameBits) {
     }
     return found;
   };
-  constexpr std::uint64_t kSmall = 2 << 20;
-  set_texture_memory(kSmall);
   std::vector<std::vector<float>> found(4);
   {
     std::vector<std::jthread> threads;
-    for (auto& mine : found) threads.emplace_back([&] { mine = look_up(cold); });
+    for (auto& mine : found) threads.emplace_back([&] { mine = look_up(); });
   }
-  // The image library keeps a megabyte at least, and each thread a tile or two in its hand.
-  EXPECT_LE(texture_memory_used(), kSmall + (kSmall >> 1));
-  set_texture_memory(kTextureMemoryBytes);
-  look_up(warm);
-  const std::vector<float> expected = look_up(warm);
-  EXPECT_GT(texture_memory_used(), 4u << 20);
-  for (const auto& mine : found) {
-    EXPECT_EQ(std::memcmp(mine.data(), expected.data(), 4 * expected.size()), 0);
+  for (const auto& mine : found) EXPECT_EQ(mine, look_up());
+}
+
+TEST_F(Textures, AreReadAfterTheirFileWasRemoved) {
+  const auto path = files_.write(Picture::of(8, 4, numbered));
+  const Texture texture(path, 1, TextureWrap::kRepeat);
+  std::filesystem::remove(path);
+  EXPECT_FLOAT_EQ(texture.mean()[0], 16.5f);
+}
+
+// As large as a texture of half may be, 179 MB, where a process may have 32 MiB of memory.
+TEST_F(Textures, TakeNoMemoryOfTheirOwn) {
+  const auto path = files_.write(Picture::of(1, 1, numbered), Numbers::kHalf);
+  constexpr std::uint32_t kWidth = 16384, kHeight = 4096, kLevels = 15;
+  std::uintmax_t size = 36;
+  for (std::uint32_t i = 0; i < kLevels; ++i) {
+    const std::uintmax_t width = kWidth >> i, height = std::max(kHeight >> i, 1u);
+    size = (size + 63) / 64 * 64;
+    size += (width + 63) / 64 * (std::min<std::uintmax_t>(width, 64) + 1) * (height + 1) * 2;
   }
+  {
+    std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
+    for (const auto& [at, number] : {std::pair(12, kWidth), {16, kHeight}, {32, kLevels}}) {
+      file.seekp(at);
+      file.write(reinterpret_cast<const char*>(&number), sizeof number);
+    }
+    file.seekp(64);
+    file << std::string(2, '\x3c');  // the first texel, 0x3c3c: 1.0586
+  }
+  std::filesystem::resize_file(path, size);
+  rlimit before{};
+  getrlimit(RLIMIT_DATA, &before);
+  const rlimit little{std::uint64_t{32} << 20, before.rlim_max};
+  setrlimit(RLIMIT_DATA, &little);
+  const Texture texture(path, 1, TextureWrap::kRepeat);
+  EXPECT_NEAR(texture.grey(0.5f / kWidth, 1.0f - 0.5f / kHeight, 0.0f), 1.0586f, 1e-3f);
+  for (int i = 1; i < 1000; ++i) {
+    EXPECT_EQ(texture.grey(0.001f * static_cast<float>(i), 0.37f * static_cast<float>(i), 0.0f), 0);
+  }
+  setrlimit(RLIMIT_DATA, &before);
 }
 
 class DamagedTextures : public Textures {
  protected:
-  void expect_refused(const std::filesystem::path& path, const std::string& says,
-                      int channels = 1) {
+  static void expect_refused(const std::filesystem::path& path, const std::string& says,
+                             int channels = 1) {
     try {
       Texture(path, channels, TextureWrap::kRepeat);
       ADD_FAILURE() << "accepted: " << says;
-    } catch (const TextureError& error) {
+    } catch (const std::invalid_argument& error) {
       EXPECT_NE(std::string(error.what()).find(says), std::string::npos) << error.what();
     }
   }
+  // The one file in memory that holds them now, under the name that workers have for theirs.
+  std::filesystem::path put(const std::string& bytes) {
+    EXPECT_EQ(ftruncate(memory_, 0), 0);
+    EXPECT_EQ(pwrite(memory_, bytes.data(), bytes.size(), 0), std::ssize(bytes));
+    return "/proc/self/fd/" + std::to_string(memory_);
+  }
+  ~DamagedTextures() override { close(memory_); }
+  static std::string bytes_of(const std::filesystem::path& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+
+ private:
+  int memory_ = memfd_create("texture", MFD_CLOEXEC);
 };
 
 TEST_F(DamagedTextures, AreRefusedInWords) {
   const Picture picture = Picture::of(70, 70, numbered);
-  expect_refused(files_.next_path(), "no image");
-  const auto text = files_.next_path();
-  std::ofstream(text) << "not a picture";
-  expect_refused(text, "no image");
-  expect_refused(files_.write_plain(picture), "");
+  expect_refused(files_.next_path(), "cannot read");
+  expect_refused(std::filesystem::temp_directory_path(), "cannot read");
+  expect_refused(put("not a picture"), "no texture file");
+  expect_refused(put(""), "no texture file");
+  expect_refused(put(std::string("\x76\x2f\x31\x01 as OpenEXR begins")), "compile the scene again");
   expect_refused(files_.write(picture), "channels", 3);
   expect_refused(files_.write(picture), "neither 1 nor 3", 2);
-  const auto cut = files_.write(picture);
-  std::filesystem::resize_file(cut, std::filesystem::file_size(cut) / 2);
-  expect_refused(cut, "");
   auto infinite = picture;
-  infinite.values[5] = kInfinity;
-  expect_refused(files_.write(infinite), "");
-}
-
-TEST_F(DamagedTextures, AGoodFileMayComeToTheSamePlace) {
-  const auto path = files_.next_path();
-  std::ofstream(path) << "not a picture";
-  expect_refused(path, "no image");
-  std::filesystem::rename(files_.write(Picture::of(8, 4, numbered)), path);
-  EXPECT_FLOAT_EQ(Texture(path, 1, TextureWrap::kRepeat).mean()[0], 16.5f);
-}
-
-// A tile that can't be read is found when it is looked up.
-TEST_F(DamagedTextures, ThrowWhereTilesCantBeRead) {
-  // Few values, so that tiles are compressed: damage then is no picture any more.
-  const Picture picture = Picture::of(
-      256, 256, [](int x, int y) { return static_cast<float>((x * x + 7 * y * y + x * y) % 11); });
-  const auto path = files_.write(picture);
-  {
-    const auto size = std::filesystem::file_size(path);
-    std::fstream file(path, std::ios::binary | std::ios::in | std::ios::out);
-    file.seekp(static_cast<std::streamoff>(size / 4));
-    file << std::string(size / 20, '\x5a');
+  for (const float value : {kInfinity, -kInfinity, std::nanf(""), 2e38f}) {
+    infinite.values[5] = value;
+    expect_refused(files_.write(infinite), "not finite");
   }
-  const Texture texture(path, 1, TextureWrap::kRepeat);
-  int thrown = 0;
-  for (int i = 0; i < 16; ++i) {
-    try {
-      texture.grey((static_cast<float>(i % 4) + 0.5f) / 4.0f,
-                   (static_cast<float>(i / 4) + 0.5f) / 4.0f, 0.0f);
-    } catch (const TextureError&) {
-      ++thrown;
+  infinite.values[5] = kInfinity;
+  expect_refused(files_.write(infinite, Numbers::kHalf), "not finite");
+  const std::string good = bytes_of(files_.write(picture));
+  const auto with = [&](std::size_t at, std::uint32_t number) {
+    std::string bytes = good;
+    std::memcpy(bytes.data() + at, &number, sizeof number);
+    return put(bytes);
+  };
+  expect_refused(with(8, 2), "version 2, where 1 is read: compile the scene again");
+  for (const std::uint32_t edge : {0u, 16385u, ~0u}) {
+    expect_refused(with(12, edge), "a size");
+    expect_refused(with(16, edge), "a size");
+  }
+  expect_refused(with(16, 71), "bytes, where its header says");
+  expect_refused(with(20, 3), "channels");
+  expect_refused(with(24, 3), "kind of numbers");
+  expect_refused(with(24, 2), "bytes, where its header says");
+  expect_refused(with(28, 1), "kind of numbers");
+  expect_refused(with(28, 2), "bytes, where its header says");
+  expect_refused(with(32, 6), "all levels");
+}
+
+TEST_F(DamagedTextures, AreRefusedIfTheyEndTooEarlyOrTooLate) {
+  for (const auto numbers : {Numbers::kCodes, Numbers::kHalf, Numbers::kFloat}) {
+    const std::string good = bytes_of(files_.write(Picture::of(70, 9, numbered), numbers));
+    for (std::size_t size = 0; size < good.size(); ++size) {
+      expect_refused(put(good.substr(0, size)), "texture file");
+    }
+    expect_refused(put(good + '\0'), "bytes, where its header says");
+  }
+}
+
+// Any bits of the header and of what follows it. What is accepted can be looked up everywhere.
+TEST_F(DamagedTextures, GiveFiniteNumbersOrAreRefused) {
+  std::uint32_t state = 1;
+  const auto random = [&](std::size_t below) {
+    state = state * 1664525u + 1013904223u;
+    return (state >> 8) % below;
+  };
+  int accepted = 0;
+  for (const auto numbers : {Numbers::kCodes, Numbers::kHalf, Numbers::kFloat}) {
+    const std::string good = bytes_of(files_.write(Picture::of(70, 9, numbered), numbers));
+    for (int round = 0; round < 1000; ++round) {
+      std::string bytes = good;
+      for (std::size_t i = 0; i <= random(4); ++i) {
+        bytes[random(round % 2 == 0 ? 40 : bytes.size())] ^= static_cast<char>(1u << random(8));
+      }
+      const auto wrap = round % 3 == 0 ? TextureWrap::kClamp : TextureWrap::kRepeat;
+      try {
+        const Texture texture(put(bytes), 1, wrap);
+        ++accepted;
+        for (int i = 0; i <= 64; ++i) {
+          const float u = static_cast<float>(i) / 64.0f,
+                      v = static_cast<float>(i * 29 % 65) / 64.0f;
+          EXPECT_TRUE(std::isfinite(texture.grey(u, v, 0.02f * static_cast<float>(i % 9))));
+        }
+      } catch (const std::invalid_argument&) {
+      }
     }
   }
-  EXPECT_GT(thrown, 0);
-  EXPECT_LT(thrown, 16);
+  EXPECT_GT(accepted, 300);
+  EXPECT_LT(accepted, 2700);
 }
 
 }  // namespace

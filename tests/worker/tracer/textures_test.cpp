@@ -268,7 +268,7 @@ TEST_F(TexturedSquare, DamagedUsesAreRefusedInWords) {
        }},
       {"neither 1 nor 3", [](auto& m) { m.mutable_textures(0)->set_channels(2); }},
       {"channels", [](auto& m) { m.mutable_textures(0)->set_channels(3); }},
-      {"no image", [](auto& m) { m.mutable_textures(0)->set_blob(std::string(32, 'x')); }},
+      {"cannot read", [](auto& m) { m.mutable_textures(0)->set_blob(std::string(32, 'x')); }},
       {"SHA-256", [](auto& m) { m.mutable_textures(0)->set_blob("x"); }},
       {"another number of channels",
        [](auto& m) {

@@ -1,10 +1,6 @@
 #include "media/float_grid.h"
 
-#include <fcntl.h>
 #include <nanovdb/NanoVDB.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cfloat>
@@ -17,6 +13,8 @@
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "files/mapped_file.h"
 
 namespace nocturne {
 namespace {
@@ -201,23 +199,11 @@ std::string place(const FloatGrid::Block& block, std::int64_t i) {
 }  // namespace
 
 FloatGrid FloatGrid::map(const std::filesystem::path& file) {
-  const int descriptor = open(file.c_str(), O_RDONLY | O_CLOEXEC);
-  if (descriptor < 0) throw std::invalid_argument("cannot read " + file.string());
-  // The mapping stays when the descriptor is closed.
-  const std::unique_ptr<const int, void (*)(const int*)> closing(&descriptor,
-                                                                 [](const int* d) { close(*d); });
-  struct stat found;
-  if (fstat(descriptor, &found) != 0) throw std::invalid_argument("cannot read " + file.string());
-  const auto size = static_cast<std::size_t>(found.st_size);
-  check_size(size);
-  void* bytes = mmap(nullptr, size, PROT_READ, MAP_SHARED, descriptor, 0);
-  if (bytes == MAP_FAILED) throw std::bad_alloc();
-  const auto unmap = [size](std::byte* mapped) { munmap(mapped, size); };
-  return {Bytes(static_cast<std::byte*>(bytes), unmap), size};
+  MappedFile mapped = map_file(file);
+  return {std::move(mapped.bytes), mapped.size};
 }
 
 FloatGrid::FloatGrid(std::span<const std::byte> bytes) : size_(bytes.size()) {
-  check_size(size_);
   constexpr std::size_t kAlignment = 64;
   void* copy = std::aligned_alloc(kAlignment, (size_ + kAlignment - 1) / kAlignment * kAlignment);
   if (copy == nullptr) throw std::bad_alloc();
@@ -231,6 +217,7 @@ FloatGrid::FloatGrid(Bytes bytes, std::size_t size) : bytes_(std::move(bytes)), 
 }
 
 void FloatGrid::check() {
+  check_size(size_);
   const Grid& grid = *at<Grid>(bytes_.get(), 0);
   check_header(grid, size_);
   check_nodes(bytes_.get(), size_);

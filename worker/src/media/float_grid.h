@@ -36,8 +36,7 @@ class FloatGrid {
   /// Of a whole file, whose pages all processes share; or of a copy of bytes. Only for a grid of
   /// floats whose header says the size that is there. All values are finite and not negative, and
   /// not all of them the background. Throws std::invalid_argument for anything else, in words.
-  /// A file may be removed or replaced under its name meanwhile, but nobody may write into it:
-  /// nothing is checked again where a page is read later.
+  /// Nothing is checked again where a page is read later (files/mapped_file.h).
   static FloatGrid map(const std::filesystem::path& file);
   explicit FloatGrid(std::span<const std::byte> bytes);
 

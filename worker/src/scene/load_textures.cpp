@@ -8,15 +8,13 @@ namespace {
 static_assert(sizeof(SigmoidSpectrum) == 3 * sizeof(float));
 
 Texture load_texture(const v1::Texture& message, const FindBlob& find_blob) {
-  const auto path = find_blob(blob_name(message.blob()));
-  require(message.channels() == 1 || message.channels() == 3,
-          "a texture of neither 1 nor 3 channels");
+  const std::string name = blob_name(message.blob());
   try {
-    return Texture(path, static_cast<int>(message.channels()),
+    return Texture(find_blob(name), static_cast<int>(message.channels()),
                    message.clamp() ? TextureWrap::kClamp : TextureWrap::kRepeat,
                    message.sharp() ? TextureFilter::kSharp : TextureFilter::kFootprint);
-  } catch (const TextureError& error) {
-    refuse(std::string("a texture of ") + error.what());
+  } catch (const std::invalid_argument& error) {
+    refuse("texture " + name + ": " + error.what());
   }
 }
 

@@ -8,7 +8,6 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 from nocturne.v1 import scene_pb2
 
 from nocturne_scene.blobs import BlobStore
@@ -18,6 +17,7 @@ from nocturne_scene.document.model import SceneDocument
 from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.formats.writing.tables import Array, Table, table_of
 from nocturne_scene.meshes.triangles import Triangles
+from nocturne_scene.textures import texture_files
 
 # No edge of a scene made by people has this direction.
 _ASKEW = np.array([0.4802871, 0.6120413, 0.6282357])
@@ -178,10 +178,8 @@ class Compiled:
 
     def picture(self, texture: int) -> Array:
         """Linear values of a texture, shape (height, width, 1 or 3), the top row first."""
-        buffer = oiio.ImageBuf(str(self.blobs.path(self.message.textures[texture].blob.hex())))
-        pixels = np.asarray(buffer.get_pixels(oiio.FLOAT), dtype=np.float64)
-        channels = self.message.textures[texture].channels
-        return pixels.reshape(buffer.spec().height, buffer.spec().width, -1)[..., :channels]
+        content = self.blobs.path(self.message.textures[texture].blob.hex()).read_bytes()
+        return texture_files.finest(content).astype(np.float64)
 
     def triangles(self, surface: scene_pb2.Surface, place: str) -> Triangles | None:
         """A surface's triangles; None for a sphere."""
