@@ -48,7 +48,7 @@ def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
 
 @pytest.fixture(scope="module")
 def running_service(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Up]:
-    """`nocturne up` with one worker of two threads, on free ports and with a data folder of its own."""
+    """`nocturne up` with one worker of two threads, on free ports and with its own data folder."""
     with Up(tmp_path_factory.mktemp("up")) as service:
         yield service
 
@@ -72,7 +72,7 @@ def service(tmp_path: Path, redis_server: RedisServer) -> Iterator[Service]:
 
 @pytest.fixture(scope="session")
 def traced_alone(tmp_path_factory: pytest.TempPathFactory) -> Image:
-    """The image of nocturne-trace, without a service: what every other way must give."""
+    """The image of nocturne-trace, without a service: the reference for all other images."""
     return _traced_alone(tmp_path_factory, SAMPLES)
 
 

@@ -17,8 +17,8 @@ from tests.system.images import Image
 ALPHA = 0.01
 
 ROUNDING = 1e-5
-"""Of a reading, beside chance: single precision along a path of many vertices, and rounded tables of the
-observer.
+"""Relative deviation of a reading that is allowed beyond chance: single precision along a path of many
+vertices, and rounded tables of the observer.
 """
 
 _TILE = 8
@@ -33,7 +33,7 @@ class Agreement:
     pixels: Values
     """Shape (height, width)."""
     tiles: Values
-    """Of sums over 8 x 8 pixels: sees what is too faint for single pixels."""
+    """z of sums over 8 x 8 pixels, which show deviations too faint for single pixels."""
     mean: float
     """Of the image's mean: sees a bias everywhere."""
 

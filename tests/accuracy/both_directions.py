@@ -12,7 +12,7 @@ _SCENES = Path(__file__).parents[2] / "examples"
 
 _SF11 = {"type": "dielectric", "index": "N-SF11"}
 _SMOKED = _SF11 | {"absorption": 3.0}
-"""Light that is totally reflected for ever in a block of clear glass would cost a thousand rays."""
+"""Light trapped by total reflection in a block of clear glass would cost a thousand rays."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class BothDirections:
 
 
 def _plain() -> Document:
-    """A lamp and a red wall beside a film, with a box that shades a part of it."""
+    """A lamp and a red wall next to a film, with a box that shades a part of it."""
     wall = {"type": "lambertian", "reflectance": {"rgb": [0.7, 0.2, 0.1]}}
     return measured_scene(
         film([0, 0, 0], [0, 0, 1], 1.0, up=[0, 1, 0]),

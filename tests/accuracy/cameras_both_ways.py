@@ -81,8 +81,8 @@ def _fogged_housing() -> Document:
 
 
 def _lamp_at_a_wall(*more: Document) -> Document:
-    """So close that much of its light is near it first. Nothing is clear: unless there is more, only whether
-    the way to it is free is asked."""
+    """A lamp so close to a wall that much of its light is scattered close to it first. No surface transmits
+    light, so without `more` the tracer only traces shadow rays to the lamp."""
     lamp = surface(quad([-0.3, 0.5, -0.93], [0.6, 0, 0], [0, 0.6, 0.1]), BLACK, 1.0, two_sided=True)
     ball = surface(sphere([0.3, 0.2, -0.2], 0.2), _SILVER)
     return _scene(_pinhole(), [_FLOOR, _WALL, ball, lamp, *more])
@@ -111,7 +111,7 @@ def _panes() -> Document:
 
 
 def _case() -> Document:
-    """A lamp in a case of panes, above a floor with a smooth coat; panes with holes beside it."""
+    """A lamp in a case of panes, above a floor with a smooth coat; panes with holes next to it."""
     pane = {"type": "thin_pane", "index": 1.8, "transmittance": 0.95}
     paint = {"type": "coated_diffuse", "reflectance": 0.5, "index": 1.8}
     case = {"type": "box", "minimum": [-0.4, 0.7, -0.4], "maximum": [0.4, 1.5, 0.4]}

@@ -1,6 +1,6 @@
 """The mark `every_sixth`: `make test` takes a sixth of a test's cases, `make accuracy` all of them.
 
-What is marked `soak`, too, has all of them in `make soak`.
+A test marked `soak`, too, runs all of them in `make soak`.
 """
 
 from collections import Counter, defaultdict
@@ -27,7 +27,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 def _chosen(cases: list[pytest.Item]) -> list[pytest.Item]:
     """Every sixth, and the first with a value that several cases share and none of these has.
 
-    Two cases are mostly two ways to one thing: both.
+    Of two cases both are run, as they are mostly two methods for one quantity.
     """
     if len(cases) < 3:
         return cases

@@ -1,4 +1,4 @@
-"""Slabs of media and what is seen through them, for tests of media.
+"""Slabs of media and sensors that look through them, for tests of media.
 
 Radiances are relative to an even light of radiance 1. A sensor that looks at a slab along one direction, with
 even light on one side, reads the slab's total reflectance or transmittance for light that comes from that
@@ -69,7 +69,7 @@ def from_above(z: float) -> Document:
 def lit_slab(fog: Document, thickness: float, sensor: Document, *, below: bool, **more: Any) -> Document:
     """A slab with even light from below or from above, and darkness on the other side.
 
-    Even light is an environment; what must be dark is covered by a black square.
+    Even light is an environment; a black square covers the dark side.
     """
     half_edge = max(WIDTH, 10.0 * thickness)
     # So wide that no light comes in between.

@@ -53,7 +53,7 @@ class Reading:
         return student_bound(values, self.count - 1)
 
     def check(self, truth: float, uncertainty: float = ROUNDING, values: int = 1) -> None:
-        """Fails unless the truth is near; `uncertainty` is a part of it, beside chance."""
+        """Fails unless the truth is near; `uncertainty` is the allowed part of it, beyond chance."""
         allowed = self.bound(values) * self.error + uncertainty * abs(truth)
         assert abs(self.mean - truth) <= allowed, (
             f"read {self.mean:.8g} +- {self.error:.2g}, truth {truth:.8g}, z {self.z(truth):.2f}, "

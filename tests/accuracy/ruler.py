@@ -1,10 +1,10 @@
 """Says where a beam goes: a far screen behind a wedge that only absorbs.
 
-The wedge has the index 1, so light goes straight through, and is thicker the farther up it is met: what is
-left of the screen's light says how far up. One image with the wedge and one without, of the same random
-numbers, so that losses at surfaces and the drawing of wavelengths cancel. Rays along the ruler's axis that
-meet its middle read 0 exactly; a reading d is wrong by up to d times the beam's angle to the axis times the
-wedge's slope.
+The wedge has the index 1, so light goes straight through. It is thicker the higher light enters it: the
+transmitted part of the screen's light gives the height. One image is traced with the wedge and one without,
+with the same random numbers, so that losses at surfaces and the drawing of wavelengths cancel. Rays along the
+ruler's axis that meet its middle read 0 exactly; a reading d is wrong by up to d times the beam's angle to
+the axis times the wedge's slope.
 """
 
 from dataclasses import dataclass
@@ -34,9 +34,9 @@ class Ruler:
     light: Any = 1.0
     """Spectral radiance of the screen."""
     slope: float = 10.0
-    """Thickness of the wedge over its length. Photons go on a little beyond a surface (1e-6 of the
-    coordinates), and what they skip does not absorb; divided by the slope, that is how far the reading is
-    off. Light enters the wedge in the middle's plane.
+    """Thickness of the wedge over its length. Photons start a little beyond a surface (1e-6 of the
+    coordinates), and the skipped distance does not absorb; divided by the slope, it is the error of the
+    reading. Light enters the wedge in the middle's plane.
     """
 
     @classmethod

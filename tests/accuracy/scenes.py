@@ -13,7 +13,7 @@ _CORNELL = Path(__file__).parents[2] / "examples" / "cornell" / "scene.json"
 
 
 def cornell(tracing: Document, **sensor: Any) -> Document:
-    """The Cornell box, with other ways to trace it and another sensor.
+    """The Cornell box, with other methods of tracing and another sensor.
 
     The field of view is 36 degrees instead of 39.3: no pixel looks past the box's front edges, where light
     comes through slivers of a pixel, so seldom that sums are far from normal.

@@ -1,10 +1,10 @@
 """Bodies of a medium whose boundary is seen: masks, panes, cloth and blends that bound fog.
 
-One surface that is both is what two are: the same surface around no body, and a body of fog just within it
-that is not seen. In the air, in smoke, which adds to the fog; in water, which keeps it out; and in water of a
-lower priority, where it is. Glass that has the index of what is around it in a band of wavelengths only (a
-Christiansen filter) parts photons that travel together: against photons that travel alone. False alarms:
-0.001 for each image.
+One surface that is both must equal two: the same surface around no body, and an invisible body of fog just
+within it. The surroundings are air; smoke, which adds to the fog; water, which keeps it out; and water of a
+lower priority, which the fog replaces. Glass with the index of its surroundings in a band of wavelengths only
+(a Christiansen filter) separates photons that travel together; they are compared with photons that travel
+alone. False alarms: 0.001 for each image.
 """
 
 from pathlib import Path

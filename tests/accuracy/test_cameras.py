@@ -69,10 +69,11 @@ def test_light_on_a_film(lens: tuple[float, float, float, float], tmp_path: Path
 
 @pytest.mark.parametrize("lens", LENSES)
 def test_light_through_the_camera(lens: tuple[float, float, float, float], tmp_path: Path) -> None:
-    """A pixel is the radiance of what is in focus, the mean over the lens's area: E / L is by the lens alone.
+    """A pixel is the radiance of the object in focus, the mean over the lens's area: E / L depends on the
+    lens alone.
 
     A wide lamp in focus, and a black plate close to the lens that covers a part of it: all around a round
-    opening of the same axis, or one half. What is left counts by its area, except for polygons (6e-6 of it)
+    opening of the same axis, or one half. The open part counts by its area, except for polygons (6e-6 of it)
     and the plate's distance (1e-4 of the lens, seen under up to its opening angle).
     """
     focal, stop, focus, _ = lens

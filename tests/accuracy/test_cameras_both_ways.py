@@ -1,8 +1,8 @@
 """A camera's image with photons from the luminaires is that of photons from the camera alone.
 
-Each path of light is found by one of the two (docs/decisions/0032): what is counted twice or not at all moves
-the mean by a part of what the luminaires' photons bring. Independent random numbers. Single pixels are not
-compared: photons from the camera find gathered light too seldom.
+Each path of light is found by one of the two (docs/decisions/0032): paths that are counted twice or not at
+all change the mean by a part of the luminaires' photons. Random numbers are independent. Single pixels are
+not compared: photons from the camera find focused light too seldom.
 """
 
 from pathlib import Path
@@ -30,14 +30,14 @@ def _trace(
 
 @pytest.mark.parametrize("ratio", [1 / 16, 8])
 def test_a_ratio_of_photons_changes_no_image(ratio: float, tmp_path: Path) -> None:
-    """They come in ranges of their own beside the one tile. False alarms: 0.013 for each."""
+    """Forward photons come in separate ranges in addition to the one tile. False alarms: 0.013 for each."""
     name = next(iter(SCENES))
     adjoint = _trace(name, "adjoint", 3, tmp_path)
     compare(adjoint, _trace(name, "both", 4, tmp_path, ratio)).check_mean_and_tiles()
 
 
 def test_distant_light_can_be_aimed(tmp_path: Path) -> None:
-    """The Sun and the sky at a part of the ball, and at what is none. False alarms: 0.013."""
+    """The Sun and the sky are aimed at a part of the ball, and at empty space. False alarms: 0.013."""
     important = [
         {"shape": sphere([0.1, 0.5, 0], 0.25), "weight": 3.0},
         {"shape": quad([-1, 0.1, -1], [0.5, 0, 0], [0, 0.5, 0])},
@@ -59,9 +59,9 @@ def test_both_directions_make_the_same_image(name: str, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("index", [{"n": 0.001, "k": 100.0}, "Ag"], ids=["ideal", "silver"])
 def test_what_a_mirror_throws_from_floor_to_floor_is_met(index: object, tmp_path: Path) -> None:
-    """Nothing in the scene is clear, so that only whether the way to the sky is free is asked. Between a
-    white floor and an ideal mirror even light stays even; what silver takes is found by photons from the
-    camera alone, too. False alarms: 0.01 for each.
+    """No surface in the scene transmits light, so that the tracer only traces shadow rays to the sky. Between
+    a white floor and an ideal mirror even light stays even; photons from the camera alone show the part that
+    silver absorbs, too. False alarms: 0.01 for each.
     """
     sensor = {
         "type": "pinhole",

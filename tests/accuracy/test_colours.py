@@ -103,7 +103,7 @@ WHITES = {
 
 @pytest.mark.parametrize("illuminant", WHITES)
 def test_whites(illuminant: str, tmp_path: Path) -> None:
-    """Chromaticities within 3e-5, ten times what is noise."""
+    """Chromaticities within 3e-5, ten times the noise."""
     xyz, _ = _mean({"illuminant": illuminant, "luminance": 100.0}, tmp_path)
     assert xyz[1] == pytest.approx(100.0, rel=1e-4)
     np.testing.assert_allclose(xyz[:2] / xyz.sum(), WHITES[illuminant], atol=3e-5)

@@ -76,7 +76,7 @@ def _glass(index: float = 1.5, **more: Any) -> Document:
 @pytest.mark.parametrize("turned", [False, True], ids=["upright", "turned"])
 @pytest.mark.parametrize("first", ["glass", "table"])
 def test_glass_on_a_table_that_shines(first: str, turned: bool, tmp_path: Path) -> None:
-    """Radiance in glass is n^2 times what it becomes outside."""
+    """Radiance in glass is n^2 times its value outside."""
     plate = slab(0.0, 0.5, _WIDE, _glass())
     table = level(0.0, 2 * _WIDE, BLACK) | {"luminaire": {"radiance": 1.0}}
     surfaces = [plate, table] if first == "glass" else [table, plate]
@@ -130,7 +130,7 @@ def test_one_plate_in_two_bodies(bodies: str, turned: bool, tmp_path: Path) -> N
 @pytest.mark.parametrize("turned", [False, True], ids=["upright", "turned"])
 @pytest.mark.parametrize("angle", [0.0, 60.0])
 def test_two_banks_of_fog(angle: float, turned: bool, tmp_path: Path) -> None:
-    """What comes through absorbing fogs of 0.3 m at 1/m and of 0.5 m at 2/m."""
+    """Transmission through absorbing fogs of 0.3 m at 1/m and of 0.5 m at 2/m."""
     document = _seen(
         [
             {"shape": slab(-0.3, 0.0, _WIDE, None)["shape"], "interior": {"media": ["thin"]}},

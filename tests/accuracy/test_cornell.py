@@ -1,4 +1,4 @@
-"""The Cornell box: ways to trace it that must give the same image do.
+"""The Cornell box: methods that must give the same image do.
 
 Compared images have independent random numbers of different seeds, so that standard errors are right; those
 of Sobol points are too large, which hides faults. With 8192 and 4096 samples the darkest pixels' sums of Y
@@ -28,12 +28,12 @@ def _independent(seed: int, **tracing: Any) -> Document:
 
 @pytest.fixture(scope="module")
 def adjoint(tmp_path_factory: pytest.TempPathFactory) -> Image:
-    """A long run with the default way to trace, but independent sampling."""
+    """A long run with the default method, but independent sampling."""
     return trace(cornell(_independent(1)), tmp_path_factory.mktemp("adjoint"), _EDGE, part_of(8192))
 
 
 def test_agrees_with_path_tracing(adjoint: Image, tmp_path: Path) -> None:
-    """Explicit direct light, kernel sampling: another way to the same image."""
+    """Explicit direct light, kernel sampling: another method for the same image."""
     path = trace(cornell(_independent(2)), tmp_path, _EDGE, part_of(4096), "path")
     compared = compare(path, adjoint)
     if IN_FULL:

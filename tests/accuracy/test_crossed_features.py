@@ -145,9 +145,9 @@ def test_photons_of_the_sun_do_not_start_around_the_planet(direction: str, tmp_p
 
 
 def test_a_thousand_mirrors_keep_the_length_of_a_direction(tmp_path: Path) -> None:
-    """Between turned mirrors 1 m apart it is 950 m to a lamp 95 m away, through what absorbs 1/km. Directions
-    that grew or shrank by a rounding at each would change that. Each ray starts 2^-20 of its coordinates off
-    a mirror, which makes the way 1e-4 longer."""
+    """Between turned mirrors 1 m apart the path to a lamp 95 m away is 950 m long, in a medium that absorbs
+    1/km. Directions that grew or shrank by a rounding at each mirror would change that. Each ray starts 2^-20
+    of its coordinates off a mirror, which makes the path 1e-4 longer."""
     axis, angle, sine = np.array([1.0, 0.3, 0.2]), math.radians(33.0), 0.1
     axis /= np.linalg.norm(axis)
     along = np.array([sine, 0.0, math.sqrt(1.0 - sine * sine)])

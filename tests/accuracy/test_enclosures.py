@@ -1,6 +1,6 @@
 """Enclosures with many diffuse reflections, whose irradiance or radiosity is known exactly.
 
-On the inside of a sphere every part lights every other evenly, so what is diffusely reflected is the same
+On the inside of a sphere every part lights every other evenly, so diffusely reflected light is the same
 everywhere; a port, cut off by a flat black disc, takes the share of the sphere's area behind it.
 """
 
@@ -228,7 +228,7 @@ def test_coaxial_discs(
                 reading = Measurement(document, folder, 8, 8).by_pixels(64) * pi
                 reading.check(centres[disc_index], 1e-4, values=4)
             else:
-                # The film of 2 x 2 sees a disc of area pi and nothing beside it.
+                # The film of 2 x 2 sees a disc of area pi and nothing else.
                 reading = Measurement(document, folder).by_seeds(256) * 4.0
                 reading.check(means[disc_index], 2e-4, values=4)
 

@@ -109,11 +109,12 @@ def test_intervals_hold_it_where_pixels_share(
 _SEEDS = 40
 _FILM = 16
 _MANY = 1024
-"""Samples: of 64, so few photons of the caustic are in a pixel that what they bring is far from normal."""
+"""Samples of a pixel. With 64, a pixel has so few photons of the caustic that its mean is far from normal."""
 
 
 def _caustic() -> Document:
-    """A floor beside a ball of metal outside of the picture: forward photons bring what it mirrors."""
+    """A floor next to a ball of metal outside of the picture: forward photons bring the light that it
+    mirrors."""
     camera = {
         "type": "pinhole",
         "position": [0, 0, 4],

@@ -1,7 +1,7 @@
-"""Meters aim at the Sun, lamps and sky as any surface does, so that few samples know what small lights bring.
+"""Meters aim at the Sun, lamps and sky as any surface does, so that few samples suffice for small lights.
 
-Readings are the means of eight seeds, by Student's t with their scatter; beside the truth, that scatter is
-bounded, which photons that leave a film by cosine alone would exceed a hundred times.
+Readings are the means of eight seeds, by Student's t with their scatter. The scatter is bounded, too:
+photons that leave a film by cosine alone would exceed the bound a hundred times.
 """
 
 from math import cos, exp, pi, radians, sin

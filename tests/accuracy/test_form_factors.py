@@ -3,9 +3,9 @@
 Howell, A Catalog of Radiation Heat Transfer Configuration Factors (C-41 discs, C-11 and C-14 rectangles,
 C-127 sphere and disc); the numbers are those closed forms evaluated to eight digits.
 
-The receiver is read in three ways that must agree: as an irradiance meter's film, by adjoint and by forward
-photons (behind a black plane with a round opening where the receiver is a disc), and as a white surface that
-a camera looks at, which aims at the lamp and so sees smaller faults. That all read the same is
+The receiver is read by three methods that must agree: as an irradiance meter's film, by adjoint and by
+forward photons (behind a black plane with a round opening where the receiver is a disc), and as a white
+surface that a camera looks at, which aims at the lamp and so sees smaller faults. That all read the same is
 the reciprocity A1 F12 = A2 F21.
 """
 

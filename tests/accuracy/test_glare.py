@@ -98,7 +98,7 @@ def rating(eye: Eye) -> float:
 
 
 def rated(eye: Eye, folder: Path, threshold: float | None = None) -> Glare:
-    """By what is rendered, of `FILM` pixels."""
+    """The rating of the rendered image, of `FILM` pixels."""
     table = "\n".join(" ".join(f"{each:.3f}" for each in row) for row in INTENSITY)
     angles = " ".join(f"{each:g}" for each in GAMMA)
     head = f"IESNA:LM-63-2002\nTILT=NONE\n1 3600 {SHARE} 19 3 1 2 {EDGE} {EDGE} 0\n1 1 30\n"

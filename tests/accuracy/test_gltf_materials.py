@@ -1,10 +1,10 @@
 """Rendered glTF materials against the specification's own reflection: glTF 2.0, appendix B.
 
 A plate seen at cosine 1 / sqrt(10), under a distant lamp straight above, whose half vector is 36 degrees off
-the normal, and in an even sky. What is rendered must be the kernels' reflection by quadrature, within four
-standard errors (false alarms 6e-5 a case) and 2e-3; and within 10 % of the specification's with what bounces
-between facets of metal, which it loses. It takes shadowing that does not know of facets' heights, and has a
-diffuse part that hardly falls to grazing angles.
+the normal, and in an even sky. The rendered value must be the kernels' reflection by quadrature, within four
+standard errors (false alarms 6e-5 a case) and 2e-3. It must also be within 10 % of the specification's value
+plus the light that bounces between facets of metal, which the specification loses. The specification's
+shadowing ignores the facets' heights, and its diffuse part hardly falls towards grazing angles.
 """
 
 import json

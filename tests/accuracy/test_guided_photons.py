@@ -104,7 +104,7 @@ def _image(document: Document, seed: int, folder: Path, *, guided: bool, **traci
 )
 @pytest.mark.parametrize("name", SCENES)
 def test_what_guides_photons_changes_no_image(name: str, tracing: dict[str, Any], tmp_path: Path) -> None:
-    """z of tiles and of the mean; false alarms: 0.013 for each scene and way."""
+    """z of tiles and of the mean; false alarms: 0.013 for each scene and method."""
     plain = {"direction": "adjoint", "sharing": 1}
     reference = _image(SCENES[name], 1, tmp_path / "plain", guided=False, **plain)
     guided = _image(SCENES[name], 2, tmp_path / "guided", guided=True, **tracing)

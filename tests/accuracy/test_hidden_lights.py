@@ -73,7 +73,7 @@ def test_what_mirrors_and_glass_show(
         y = image([pane, far], tmp_path, **sky)
         assert y == pytest.approx(seen * unit, rel=2e-2)
         return
-    # A clear ball of glass: what it reflects is the sky, and what goes through is the lamp.
+    # A clear ball of glass reflects the sky and transmits the lamp's light.
     ball = surface(sphere([0, 0, -4], 1.0), {"type": "dielectric", "index": 1.5})
     far = surface(sphere([0, 0, -60], 40.0), BLACK, 50.0, hidden_from=hidden)
     y = image([ball, far], tmp_path, **sky)
@@ -86,7 +86,7 @@ def test_what_mirrors_and_glass_show(
 @pytest.mark.parametrize("hidden", ["camera", "camera_and_mirrors"])
 @pytest.mark.parametrize("direction", ["adjoint", "both"])
 def test_everything_else_is_lit_the_same(tmp_path: Path, hidden: str, direction: str) -> None:
-    """A floor beside the lamp; with media, so that no short cut of the tracer is taken, and without."""
+    """A floor next to the lamp; with media, so that the tracer takes no short cut, and without."""
     floor = surface(quad([-1, -1, -9], [2, 0, 0], [0, 2, 0]), diffuse(0.7))
     above = surface(sphere([0, 3, -7], 0.5), NULL, 50.0)
     dark = {**above, "luminaire": {"radiance": 50.0, "hidden_from": hidden}}

@@ -19,8 +19,8 @@ from tests.accuracy.tracing import trace
 
 EDGE, SAMPLES = 8, 256
 
-# What is seen is half a degree wide: its distance and cosine to the lamp vary by less than a thousandth, and
-# spheres and discs in place of points have intensities to 0.1 %.
+# The visible patch is half a degree wide: its distance and cosine to the lamp vary by less than a thousandth,
+# and spheres and discs in place of points have intensities to 0.1 %.
 POINT = 100 / (2 * np.pi * 4)
 SUN = 100 / (2 * np.pi)
 SKY = 100 / 2

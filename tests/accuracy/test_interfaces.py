@@ -1,4 +1,4 @@
-"""Surfaces of glass and metal: what they reflect at an angle and of light from everywhere, as renders.
+"""Rendered reflection of glass and metal surfaces, at an angle and for light from everywhere.
 
 Fresnel's equations of data/interfaces.json, unpolarised. z values within the Sidak bound of all of this
 file's table; false alarms: 0.01 in all.
@@ -48,7 +48,7 @@ def _half_space(index: float) -> list[Document]:
 
 @pytest.mark.parametrize("index", GLASS)
 def test_glass_reflects_by_angle(index: float, tmp_path: Path) -> None:
-    """Standard errors: about 0.15 % to 1.5 % of what is reflected, where that is more than 1 %."""
+    """Standard errors are about 0.15 % to 1.5 % of the reflection, if that is more than 1 %."""
     for angle, truth in GLASS[index]["by_angle"]:
         document = scene(beam(angle), _half_space(index))
         found = measure(document, tmp_path, _SAMPLES)

@@ -124,7 +124,7 @@ def test_spherical_aberration(lens: tuple[float, float, float], tmp_path: Path) 
 
 @pytest.mark.parametrize("lens", _MEASURED)
 def test_focal_lengths(lens: tuple[float, float, float], tmp_path: Path) -> None:
-    """Extrapolated to the axis from heights of 2 and 4 mm; what is left are terms of the fourth order,
+    """Extrapolated to the axis from heights of 2 and 4 mm; the remainder is of the fourth order,
     1e-4 mm.
 
     The back focal distance within 2e-3 mm (single precision of the place over the slope), the focal length

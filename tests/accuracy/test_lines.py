@@ -1,5 +1,5 @@
 """Lamps of narrow lines, from a scene document through the compiler to the image: the colour of the line,
-whatever its width, also beside a continuum.
+whatever its width, also with a continuum.
 
 A closed box whose walls scatter half of the light and all emit L has radiance 2 L everywhere, so X, Y, Z are
 twice those of the lamp.

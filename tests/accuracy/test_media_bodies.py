@@ -87,7 +87,7 @@ def test_mean_path_length(
         box = {"type": "box", "minimum": [-0.5, -0.5, -1.0], "maximum": [0.5, 0.5, 0.0]}
         document = _body(box, fog, film([0, 0, _GAP], [0, 0, -1], 1.0))
     lost = (read(document, tmp_path, 4 * _SAMPLES) * (1.0 / pi) - 1.0) * (-1.0 / absorption)
-    # Rounding of a number near 1, of which a thousandth counts; and what goes past the body.
+    # Rounding of a number near 1, of which a thousandth counts; and light that passes the body.
     lost.check(length, absorption * 4.3 * length / 2.0 + 1e-3 + 4.0 * _GAP)
 
 
@@ -95,7 +95,7 @@ def test_mean_path_length(
 def test_mean_path_length_in_a_cylinder(scattering: float, g: float, tmp_path: Path) -> None:
     """The same for a closed cylinder of radius 0.5 and height 2: 0.8, by light from everywhere.
 
-    An intensity meter sends parallel beams through it from all directions: what it misses, in the mean over
+    An intensity meter sends parallel beams through it from all directions: its loss, in the mean over
     directions, is absorption x volume. Columns of pixels are independent. Standard error: 1 %.
     """
     absorption, around = 1e-3, 1.2
@@ -166,9 +166,9 @@ def _grey(measurement: Measurement, samples: int, seed: int = 0) -> Values:
     ("thickness", "truth", "samples"),
     [
         pytest.param(50.0, 0.025929798, 64, id="50"),
-        # Eleven photons of 8192 come through: a third of what 50 tells of them, at ten times its time.
+        # Eleven photons of 8192 are transmitted: a third of the precision of 50, in ten times its time.
         pytest.param(1000.0, 0.0013314415, 16, id="1000", marks=pytest.mark.soak),
-        # What comes through 10,000 collides some 1e8 times on the way: beyond the bound of a photon, 2^20.
+        # Photons that pass 10,000 collide some 1e8 times: beyond the bound of a photon, 2^20.
     ],
 )
 def test_a_very_thick_slab(thickness: float, truth: float, samples: int, tmp_path: Path) -> None:
@@ -218,8 +218,8 @@ def test_the_law_of_darkening(tmp_path: Path) -> None:
     """Milne's problem: radiance of a thick slab lit from behind, over that of a Lambertian surface that gives
     as much light: sqrt(3) / 4 x pi x H(mu) / pi (Chandrasekhar, Radiative Transfer, ch. III and V).
 
-    At an optical thickness of 12 it is that of a half space to 1e-5. Along the face H is 1. What comes
-    through tells Hopf's constant q, 0.71044609: 4 / 3 / (thickness + 2 q).
+    At an optical thickness of 12 it is that of a half space to 1e-5. Along the face H is 1. Transmission
+    follows from Hopf's constant q, 0.71044609: 4 / 3 / (thickness + 2 q).
     """
     flux = read(
         lit_slab(medium(1.0), 12.0, from_above(1e-3), below=True),
@@ -262,7 +262,7 @@ def test_fog_without_end(tmp_path: Path) -> None:
 
 
 # Extinction, scattering, g, distance of the lamp from the ray, where the ray starts and ends; the lamp is
-# beside 0.
+# perpendicular to the ray at 0.
 _AIRLIGHTS = {
     (0.0, 0.01, 0.0, 1.0, -10.0, 10.0): 0.0023413724,
     (0.1, 0.1, 0.0, 1.0, -10.0, 30.0): 0.0072677269,
@@ -276,8 +276,8 @@ _AIRLIGHTS = {
 def test_airlight(case: tuple[float, float, float, float, float, float], tmp_path: Path) -> None:
     """Light of a lamp of 1 W/sr that fog scatters once into a ray (quadrature).
 
-    A part of 1e-4 of the scattering, and 1e4 times the light: what is scattered twice is less than a part of
-    3e-4. So is what scattering alone takes away where nothing shall.
+    The scene has 1e-4 of the scattering and 1e4 times the light, so light that is scattered twice is less
+    than a part of 3e-4. So is the loss by scattering alone in cases without extinction.
     """
     extinction, scattering, g, beside, start, end = case
     part, radius = 1e-4, beside / 1000.0

@@ -42,7 +42,7 @@ def _check(
     document |= {"media": media, "environment": {"radiance": 1.0}, **more}
     measurement = Measurement(document, folder, 16, 16)
     grey = measurement.image(16).further["grey"].astype(np.float64) / (830.0 - 360.0)
-    # What the tracer's own limit ended is missing, and told: few of thousands in what is thick and white.
+    # Paths that the tracer's own limit ended are missing, and counted: few of thousands in thick white media.
     photons = measurement.statistics["photons"] / grey.size
     lost = np.round((1.0 - grey) * photons)
     assert lost.sum() == measurement.statistics["truncated_paths"]
@@ -79,7 +79,7 @@ def test_meshes(mesh: trimesh.Trimesh, extinction: float, g: float, tmp_path: Pa
 
 
 def test_into_an_edge(tmp_path: Path) -> None:
-    """Where two faces meet, rounding has photons cross both, and none of them may be in the body for ever.
+    """Where two faces meet, rounding makes photons cross both; none of them may stay in the body without end.
 
     In a white fog without an end they are lost after a million collisions each: of engine 20, one of sixteen.
     """

@@ -109,8 +109,8 @@ def test_light_above_and_below_a_layer(case: Document, tmp_path: Path) -> None:
 def test_colours_of_the_sky(case: Document, tmp_path: Path) -> None:
     """X, Y, Z and x, y in seven directions in cd/m2, and illuminances, with the Sun's own spectrum.
 
-    Azimuth 0 is towards the Sun, which stands 0.05 degrees beside it so that no meter looks into it. A film
-    and a white tile have the illuminance of all. Truth is known to 2e-4.
+    Azimuth 0 is towards the Sun, which stands 0.05 degrees off that direction so that no meter looks into it.
+    A film and a white tile have the illuminance of all. Truth is known to 2e-4.
     """
     depth = rayleigh.optical_depth(visible_wavelengths())
     scattering = {"table": np.column_stack([visible_wavelengths(), depth]).tolist()}

@@ -38,7 +38,7 @@ def _check(fog: Document, case: Document, folder: Path, keys: tuple[str, ...], *
 
 @pytest.mark.parametrize("thickness", sorted({case["thickness"] for case in TRUTHS["slabs"]["cases"]}))
 def test_light_that_nothing_scatters(thickness: float, tmp_path: Path) -> None:
-    """Along the normal: what is left of a beam, by Beer and Lambert, in as many free paths of absorption.
+    """Transmission of a beam along the normal, by Beer and Lambert, through as many free paths of absorption.
 
     A body of glass absorbs in closed form, however thick it is.
     """

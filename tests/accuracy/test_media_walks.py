@@ -93,7 +93,7 @@ def places(half_edge: float) -> list[Values]:
 def _counted(glow: Glow, albedo: float, g: float, samples: int, folder: Path, **tracing: Any) -> Values:
     """Sum of the glow over the collisions of a photon that starts from the origin along z, by pixels.
 
-    Each counts with (1 - albedo) times what is left of the photon.
+    Each counts with (1 - albedo) times the photon's remaining weight.
     """
     folder.mkdir(parents=True, exist_ok=True)
     glow.write(folder)

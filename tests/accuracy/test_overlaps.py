@@ -43,7 +43,7 @@ def _sum(*names: str) -> Document:
 
 
 def _scene(media: Document, surfaces: list[Document], seed: int, **more: Any) -> Document:
-    # Even light shows what is absorbed, and a black ball behind the media what is scattered.
+    # Even light shows absorption, and a black ball behind the media shows scattering.
     ball = {
         "shape": {"type": "sphere", "centre": [0, 0, -2], "radius": 0.8},
         "kernel": {"type": "lambertian", "reflectance": 0},
@@ -79,7 +79,7 @@ _BALL: Document = {"type": "sphere", "centre": [0.2, 0.1, 0], "radius": 0.6}
 def test_fog_in_smoke_in_air(photons: int, tmp_path: Path) -> None:
     """A bank of fog in a cloud of smoke in air that is everywhere, against bodies of one medium each.
 
-    Those are of index 1: light passes them unbent, and they keep out what is around them.
+    The bodies have index 1: light passes them unbent, and they displace the media around them.
     """
     names = {name: _sum(name) for name in _SCATTERING}
     over = _scene(names, [_body(_box(-1, 1), "smoke"), _body(_BALL, "fog")], 1, unbounded_media=["air"])

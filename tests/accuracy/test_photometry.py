@@ -27,7 +27,7 @@ _SAMPLES = 4096
 
 
 def test_round_trip(tmp_path: Path) -> None:
-    """What is measured is the file that the lamp has, and so is what is measured of the file made of it.
+    """The measured distribution equals the lamp's file, and so does that of a file made from the measurement.
 
     Straight lines over s radians are off by s^2 / 8 of a second derivative, and means over s by s^2 / 24. The
     derivatives are at most 0.64 c down and 0.4 c around, so in a file of degrees it is 4e-5 c, and in one of

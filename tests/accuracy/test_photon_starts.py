@@ -1,4 +1,4 @@
-"""Where photons start: films beside the scene, and sensors and lamps that stand in several media, or move.
+"""Where photons start: films outside the scene, and sensors and lamps that stand in several media, or move.
 
 Radiances are 1 and media absorb, so that most values follow from Beer's law. Each scene is traced with eight
 seeds; the mean is compared by Student's t with the errors that these tell. False alarms: 0.001 for each case.
@@ -60,8 +60,8 @@ _SUN = {"distant": [{"direction": [0, 1, 0], "irradiance": 1.0}]}
 def test_the_sun_reaches_films_beside_all_surfaces(
     height: float, size: float, pixels: tuple[int, int], tmp_path: Path
 ) -> None:
-    """Under a small ball a film of 2 m read 0.014 of what it gets, and above it nothing. The ball's shadow
-    takes 0.0314 m2 of the first film and of the last."""
+    """A film of 2 m once read 0.014 of its illuminance under a small ball, and nothing above it. The ball's
+    shadow takes 0.0314 m2 of the first film and of the last."""
     document = measured_scene(film([0, height, 0], [0, 1, 0], size), [_BALL]) | _SUN
     width, rows = pixels
     area = size * size * width / rows
@@ -96,7 +96,7 @@ def _fog(low: list[float], high: list[float]) -> Document:
 
 
 def _pinhole(z: float, **more: object) -> Document:
-    """A camera that looks along z, all of whose ways are of one length."""
+    """A camera that looks along z, all of whose paths have one length."""
     look = {"type": "pinhole", "position": [0, 0, z], "look_at": [0, 0, 10], **more}
     return look | {"vertical_field_of_view_degrees": 0.1}
 

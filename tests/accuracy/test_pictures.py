@@ -1,4 +1,4 @@
-"""Picture files on surfaces, all the way: where each part of a picture is, and what its colours become.
+"""Picture files on surfaces, from file to render: the place of each part of a picture, and its colours.
 
 Light of radiance 1 comes from everywhere, so a convex surface shows its reflectance: without noise, as the
 directions are drawn by the cosine and a ratio of two images with the same random numbers has none left.
@@ -19,7 +19,7 @@ from tests.accuracy.tracing import Document, trace
 pytestmark = pytest.mark.system
 
 _BLOCK = 20
-"""Pixels of a picture's file for each of its colours; what is looked at is far from the edges."""
+"""Pixels of a picture's file for each of its colours; the tested pixels are far from the edges."""
 
 _SEEN = 5
 """Pixels of the film across a block."""

@@ -58,7 +58,7 @@ def line(nm: float) -> Document:
 
 
 def near(nm: float) -> Document:
-    """A response that draws wavelengths to a line; what it measures is not looked at."""
+    """A response that draws wavelengths to a line; its measurement is ignored."""
     middle = round(nm)
     return {"table": [[middle - 1, 0.0], [middle, 1.0], [middle + 1, 0.0]], "outside": "zero"}
 

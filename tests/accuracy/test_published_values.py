@@ -1,6 +1,6 @@
 """Every published value of media and of the sky is tested somewhere: which test has which.
 
-The list of values, `../shared/accuracy/truth.json`, lies beside the repository, or those tests are skipped.
+The list of values, `../shared/accuracy/truth.json`, lies next to the repository, or those tests are skipped.
 """
 
 import ast

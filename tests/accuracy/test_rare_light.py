@@ -49,7 +49,8 @@ _TALL, _EDGE = 40.0, 64
 def _seen_in_a_mirror(
     radius: float, radiance: float, kernel: Document, folder: Path, around: Document | None = None
 ) -> tuple[RenderWarning, ...]:
-    """What is said of an image of a mirror 3 m in front of the camera, in which a lamp behind this shows."""
+    """The warnings for an image of a mirror 3 m in front of the camera, which shows a lamp behind the
+    camera."""
     document: Document = {
         "nocturne": 1,
         "sensor": {
@@ -183,7 +184,8 @@ def test_a_roughness_that_is_a_picture_gathers_where_it_is_smooth(
 def _mirrored_on_a_ball(
     radius: float, eye: NDArray[np.float64], lamp: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Where a ball around the origin shows a lamp: the shortest way by its surface (Fermat)."""
+    """The point at which a ball around the origin mirrors a lamp: the shortest path via its surface
+    (Fermat)."""
     best = (eye / np.linalg.norm(eye) + lamp / np.linalg.norm(lamp)) / 2.0
     spread = 1.0
     for _ in range(12):

@@ -81,7 +81,7 @@ def test_half_divergence(mirror: tuple[float, float, float], tmp_path: Path) -> 
     surfaces = _surfaces(*mirror)
     for part, truth in zip((0.05, 1.0), MIRRORS[mirror][1:], strict=True):
         zone = part * aperture
-        # At a vertex of the mesh, seen across the meridian, where the ball is not in the way.
+        # At a vertex of the mesh, seen across the meridian, where the ball does not occlude it.
         point = np.array([zone * (1 - 1e-6), 0.0, zone**2 / (4 * focal)])
         half = degrees(asin(ball / (focal + zone**2 / (4 * focal))))
         assert half == pytest.approx(truth, rel=1e-2 if part < 1 else 1e-4)

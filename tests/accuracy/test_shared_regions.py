@@ -22,7 +22,7 @@ pytestmark = [
 
 _FILM, _SEEDS = 72, 200
 _HELD = 0.93
-"""At least: what was asked for; 0.95 but for the skewness of few samples."""
+"""Least coverage: the promised one; it is 0.95 apart from the skewness of few samples."""
 _FALSE_ALARM_SIGMAS = 3.0
 
 

@@ -1,6 +1,6 @@
-"""Pixels that share what their photons find make the image of pixels that each find their own.
+"""Pixels that reuse their neighbours' paths make the same image as pixels alone.
 
-Each scene is traced with many seeds in both ways. Neighbours are not independent of each other, so errors
+Each scene is traced with many seeds by both methods. Neighbours are not independent of each other, so errors
 come from the scatter among the seeds: Student's t of 8 x 8 tiles and of the mean. Seeds are fixed; false
 alarms: 0.01 + 0.003 for each scene.
 """
@@ -156,7 +156,7 @@ SCENES: dict[str, Callable[[], Document]] = {
 def tiles(
     document: Document, folder: Path, samples: int = _SAMPLES, **tracing: Any
 ) -> npt.NDArray[np.float64]:
-    """Y of each seed's tiles, (seeds, tiles); the same scene by the way that `tracing` says."""
+    """Y of each seed's tiles, (seeds, tiles); the scene is traced by the method in `tracing`."""
     folder.mkdir()
     if "textures" in document:
         _write_pictures(folder)

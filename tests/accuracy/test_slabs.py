@@ -100,7 +100,7 @@ def test_however_it_is_traced(tracing: dict[str, Any], tmp_path: Path) -> None:
 
 
 def test_what_light_passes_straight_through_is_no_interaction(tmp_path: Path) -> None:
-    """Three panes; with one interaction at most, what is mirrored between them does not arrive."""
+    """Three panes; with one interaction at most, light that is mirrored between them does not arrive."""
     panes = [level(-float(i), _WIDE, {"type": "thin_pane", "index": 1.52}) for i in range(3)]
     document = _one_sided(panes, 0, True, maximum_depth=1)
     measure(document, tmp_path, 512).check(PLATES[1.52, 0.0][0][0] ** 3, _BOUND, "three panes")

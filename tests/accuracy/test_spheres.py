@@ -79,7 +79,7 @@ def _turned(deviation: float) -> Vector:
 
 @pytest.mark.parametrize("index", CROSSINGS)
 def test_a_ball_lens_focuses_exactly(index: float, tmp_path: Path) -> None:
-    """Crossings within 1e-5 radii and deviations within 2e-4 degrees: single precision on the way."""
+    """Crossings within 1e-5 radii and deviations within 2e-4 degrees, by single precision along the path."""
     for height, (crossing, deviation) in CROSSINGS[index].items():
         ball = _ball(index, height, 1e-6)
         axis = _turned(deviation)
@@ -142,7 +142,7 @@ def test_rainbows_by_photons_from_the_sun(nm: float, tmp_path: Path) -> None:
         middle = round(radius * _BINS / 180.0)
         bins = slice(middle - 15, middle + 15)
         counts = photons[bins] / photons[photons > 0].min()
-        # Of other orders: what is on the dark side, seen from the edge.
+        # The counts on the dark side of the edge are those of other orders.
         counts -= (counts[-10:] if reflections == 1 else counts[:10]).mean()
         wanted, _ = np.histogram(_bow(index, reflections), edges[bins.start : bins.stop + 1])
         apart = np.abs(np.cumsum(counts) / counts.sum() - np.cumsum(wanted) / wanted.sum()).max()

@@ -61,7 +61,7 @@ _SCENES: dict[str, Callable[[float], Document]] = {
 
 @pytest.mark.parametrize("name", _SCENES)
 def test_surfaces_in_water_go_by_their_relative_index(name: str, tmp_path: Path) -> None:
-    """They had the index of what is around them taken for 1: a smooth coat 0.83, a rough one 0.86, a pane of
+    """With the index of their surroundings taken for 1, a smooth coat had 0.83, a rough one 0.86, a pane of
     water 0.94 and metal 1.03 of the right light."""
     water = surface(box([-200] * 3, [200] * 3), {"type": "dielectric", "index": _WATER})
     within = _SCENES[name](_WATER)

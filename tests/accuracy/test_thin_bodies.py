@@ -163,7 +163,7 @@ _BEFORE: dict[str, Document] = {
 @pytest.mark.parametrize("direction", ["adjoint", "both"])
 @pytest.mark.parametrize("name", _BEFORE)
 def test_a_lamp_behind(name: str, direction: str, tmp_path: Path) -> None:
-    """A lamp of 200 m close behind something as wide reads what it reads 20 mm behind it.
+    """A lamp of 200 m close behind a body of its width gives the same reading as 20 mm behind it.
 
     z within the bound of Student's t for all gaps; false alarms 0.01.
     """

@@ -1,5 +1,5 @@
-"""Lamps that are thin beside the step by which photons leave a surface: a strip of 0.1 mm and a wire light a
-floor as much as their radiance times their solid angle says, whatever else the scene has.
+"""Lamps that are thin compared with the offset by which photons leave a surface: a strip of 0.1 mm and a wire
+light a floor as much as their radiance times their solid angle says, whatever else the scene has.
 
 Glass anywhere in a scene makes photons towards lights fly on until they meet one, so that a scene with a ball
 of glass under its floor is traced by other means than the same scene without it.
@@ -47,7 +47,7 @@ WAYS: list[Document] = [{}, {"photons_together": 1}, {"estimator": "mixture"}, {
 
 
 def _irradiance_of_strip() -> float:
-    """By midpoints: E = L times the sum of cos^2 dA / r^2, of which the strip is small beside r."""
+    """By midpoints: E = L times the sum of cos^2 dA / r^2, where the strip is small compared with r."""
     along, across = (np.arange(n) + 0.5 for n in (200, 20))
     x = 0.5 + LENGTH * along[:, None] / 200 - PLACE[0]
     z = 0.3 + WIDTH * across[None, :] / 20 - PLACE[2]

@@ -1,8 +1,8 @@
 """Scene documents through the compiler and nocturne-trace.
 
-Tests name samples for the errors that `make accuracy` notices. `make test` takes a quarter of them where
-what is read is compared within a bound that follows from its scatter: false alarms are as rare, and an error
-has to be twice as large.
+Tests name samples for the errors that `make accuracy` notices. `make test` takes a quarter of them if
+a reading is compared within a bound that follows from its scatter: false alarms are as rare, and an error
+has to be twice as large to be noticed.
 """
 
 import json

@@ -12,7 +12,7 @@ _ALONE = {"direction": "adjoint", "guide": "none"}
 
 @pytest.mark.parametrize(("samples", "seed"), [(1024, 1), (2048, 1), (2048, 3)])
 def test_a_few_dark_corners_do_not_decide(samples: int, seed: int, tmp_path: Path) -> None:
-    """Squares at the wall's edge are as noisy by both ways. With larger ones none of these was shared."""
+    """Squares at the wall's edge are as noisy by both methods. With larger ones none of these was shared."""
     document = {**planes(tmp_path), "tracing": {**_ALONE, "seed": seed}}
     assert "shared" in compile_film(document, tmp_path, 128, 96, samples).way
 

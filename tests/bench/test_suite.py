@@ -72,7 +72,7 @@ def test_time_to_one_percent() -> None:
 
 
 def test_no_time_is_told_of_what_does_not_converge() -> None:
-    """A way that finds no light has the same error for ever, which says nothing of any time."""
+    """A method that finds no light keeps the same error at all times, so it has no time to 1 %."""
     assert time_to_target(_points(0.0)) == {"exponent": 0.0, "error": pytest.approx(0.01)}
 
 
@@ -207,7 +207,8 @@ def test_ways_have_different_names() -> None:
 
 
 def test_sums_stand_still_in_single_precision_only() -> None:
-    """Exponential samples in 32-bit floats: -1.1 % at 1e7, as is known; ours is exact beside the noise."""
+    """Exponential samples in 32-bit floats: -1.1 % at 1e7, a known figure; the double-precision sum is exact
+    compared with the noise."""
     last = _sums(10**7)[-1]
     assert last["float32"] == pytest.approx(0.011, abs=0.002)
     assert last["ours"] < 1e-12 < 0.1 * last["noise"]

@@ -1,4 +1,4 @@
-"""Blender's Python module in an environment of its own, made by `make blender`."""
+"""Blender's Python module in a separate environment, made by `make blender`."""
 
 import subprocess
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ class Rendered:
 
 
 def run(script: Path, *words: str) -> str:
-    """Runs a program in Blender's Python; gives what it said."""
+    """Runs a program in Blender's Python; returns its output."""
     command = [str(PYTHON), str(script), *words]
     done = subprocess.run(command, capture_output=True, text=True, timeout=_LONGEST_S, check=False)
     assert done.returncode == 0, done.stdout + done.stderr

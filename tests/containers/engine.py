@@ -1,4 +1,4 @@
-"""A Docker Engine to build and run images with: the one that answers, or one of our own during a test.
+"""A Docker Engine to build and run images with: the running one, or one that is started for a test.
 
 Our own keeps its images in build/containers, so the next run builds only what changed. It takes root,
 Debian's docker.io, and where the base image can't be pulled, mmdebstrap.
@@ -77,7 +77,7 @@ class Engine:
 
 @contextmanager
 def engine() -> Iterator[Engine]:
-    """The engine that answers, or one of our own, with a base image to build from."""
+    """The running engine, or one that is started here, with a base image to build from."""
     with _answering() as environment:
         found = Engine(environment)
         found.environment["NOCTURNE_DEBIAN"] = os.environ.get("NOCTURNE_DEBIAN") or _base(found)

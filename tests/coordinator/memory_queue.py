@@ -60,7 +60,7 @@ class Delivery:
 
 
 class MemoryQueue(JobQueue):
-    """Both streams, and what can happen to them."""
+    """Both streams, and the faults that can happen to them."""
 
     def __init__(self, clock: VirtualClock) -> None:
         self._clock = clock

@@ -1,4 +1,4 @@
-"""Starts and kills what the fault tests need, and knows what must come out."""
+"""Starts and kills the processes of the fault tests, and checks their images."""
 
 import os
 import signal
@@ -29,7 +29,7 @@ SCENE = "5c" * 32
 
 
 def wait_until(true: Callable[[], bool], seconds: float = LIMIT_S) -> None:
-    """Fails the test if it does not become true. What is promised about time gives its own seconds."""
+    """Fails the test if it does not become true. Tests of promised times pass their own seconds."""
     begun = time.monotonic()
     while not true():
         waited = time.monotonic() - begun
@@ -84,7 +84,7 @@ class Service:
         self._workers: list[SimulatedWorker] = []
 
     def start(self, crash_at: str = "", *options: str) -> Forked:
-        """Another one, beside those that run."""
+        """Another coordinator, in addition to the running ones."""
         if self._process is not None:
             self._others.append(self._process)
         words = ["--data", str(self.data), "--redis", self.server.url, "--commit-seconds", "0.1", *options]
@@ -200,7 +200,7 @@ def check_committed(service: Service, row: RenderRow, redone: bool = False) -> N
 
 
 def check_complete(service: Service, render_id: str, redone: bool = False) -> None:
-    """The render succeeded, and is what it would be without any fault."""
+    """The render succeeded, and equals the one without any fault."""
     row = service.wait_for_end(render_id)
     assert row.state == "SUCCEEDED", row.reason
     tiles = len(committed_samples(service.folder, render_id))

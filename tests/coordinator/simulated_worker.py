@@ -53,7 +53,7 @@ def simulated_result(
 
 
 class Machine(NamedTuple):
-    """What a machine is told when it enrols."""
+    """The credentials that a machine receives when it enrols."""
 
     name: str
     key: bytes
@@ -65,7 +65,7 @@ class Machine(NamedTuple):
         )
 
     def signed(self, lease: bytes, data: bytes) -> dict[bytes, bytes]:
-        """What stands beside a result."""
+        """The fields of a stream entry that identify and sign a result."""
         return {
             keys.MACHINE_FIELD: self.name.encode(),
             keys.SIGNATURE_FIELD: signature(self.key, lease, data),
@@ -77,7 +77,8 @@ def unaltered(result: job_pb2.JobResult) -> list[job_pb2.JobResult | bytes]:
 
 
 class SimulatedWorker(threading.Thread):
-    """Follows the protocol of docs/explanation/queue.md in a thread; reconnects for ever, as workers do."""
+    """Follows the protocol of docs/explanation/queue.md in a thread; reconnects without limit, as workers
+    do."""
 
     def __init__(
         self,
@@ -95,8 +96,8 @@ class SimulatedWorker(threading.Thread):
         """`dies`: the process ends, without a word, at jobs for which it is true; `status_ms` later that
         shows. Not before it is `seen` by its name, as nobody misses a process that nobody saw at work.
 
-        `floating_point_profile` is told only: jobs of others are done as well, for the coordinator to refuse.
-        `machine`: what it enrolled as.
+        `floating_point_profile` is only reported: jobs of other profiles are done as well, for the
+        coordinator to refuse. `machine`: the machine that the worker enrolled as.
         """
         super().__init__(daemon=True)
         self._further_responses = further_responses

@@ -1,4 +1,4 @@
-"""The core alone: what follows from an event, one instruction after the other."""
+"""The core alone: the instructions that follow from each event."""
 
 from collections.abc import Callable
 from typing import Any
@@ -33,7 +33,7 @@ def at(now: float) -> Moment:
 
 
 class Shell:
-    """Carries nothing out, and gives the answers that it is told to give."""
+    """Carries nothing out, and gives prepared answers."""
 
     def __init__(self, rows: tuple[OpenRender, ...]) -> None:
         self.core = Core(Settings(commit_seconds=0.5))
@@ -221,7 +221,7 @@ def test_a_result_that_is_read_again_while_it_waits_is_not_deleted() -> None:
 
 
 def test_a_render_that_goes_on_has_no_image_written() -> None:
-    """The API makes one of what is committed, for who asks."""
+    """The API makes an image of the committed samples on request."""
     shell = Shell((row("r", 3000),))
     shell.take_up()
     shell.tell(StreamIsReady(at(0.1)))

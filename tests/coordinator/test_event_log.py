@@ -1,4 +1,4 @@
-"""What a coordinator was told and did, written down and replayed."""
+"""The log of a coordinator's events and instructions, written and replayed."""
 
 import dataclasses
 import json

@@ -1,4 +1,4 @@
-"""Forward photons in ranges of their own: merged in order, shown with tiles' samples, committed seldom."""
+"""Forward photons in separate ranges: merged in order, shown with tiles' samples, committed seldom."""
 
 import zlib
 from dataclasses import replace
@@ -23,7 +23,7 @@ from nocturne_scene.tile_sums import numbers_in
 from tests.coordinator.service import SCENE
 from tests.coordinator.simulated_worker import simulated_sums
 
-# Four tiles; photons are as many as for a film that is large enough for ranges of its own.
+# Four tiles; the number of photons is that of a film large enough for separate photon ranges.
 WIDTH, HEIGHT = 40, 36
 TILES = 4
 PHOTONS = TILES

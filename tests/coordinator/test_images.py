@@ -44,8 +44,9 @@ def variance_of_y(sums: Sums, counts: Counts) -> Values:
 
 
 def with_one_more(draws: Values) -> Values:
-    """Variances of the means of pixels, from numbers of shape (samples, height, width): one more find of the
-    block's is added, by the samples themselves, the less the more finds a pixel has."""
+    """Variances of the means of pixels, from numbers of shape (samples, height, width). One more lit sample
+    of the block is added, computed from the samples themselves; it adds less the more lit samples a pixel
+    has."""
     own = draws.var(axis=0, ddof=1) / len(draws)
     variance: Values = own.copy()
     own_finds = draws.sum(axis=0) ** 2 / (draws**2).sum(axis=0)

@@ -91,7 +91,7 @@ def test_three_jobs_that_others_can_do_condemn_a_worker() -> None:
         faults.failed(key(number), "a", "x", {"a", "b", "c"})
     assert faults.succeeded(key(0), "b") == []
     assert faults.succeeded(key(1), "b") == []
-    # What it does itself the second time speaks for it.
+    # A job that the worker itself completes on its second attempt counts in its favour.
     assert faults.succeeded(key(2), "a") == []
     assert faults.succeeded(key(3), "c") == ["a"]
 

@@ -1,4 +1,4 @@
-"""A part of the film that goes first: which tiles it has, and what is published then."""
+"""A part of the film that goes first: its tiles, and the jobs that are published then."""
 
 import pytest
 from nocturne_coordinator.dispatch.region import Region

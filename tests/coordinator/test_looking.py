@@ -56,7 +56,7 @@ class Looking:
         return made
 
     def look(self) -> list[str]:
-        """Ids of what is read."""
+        """Ids of the rows that are read."""
         return [render.id for render in [*self.renders.all(), *self.renders.ended_without_image()]]
 
     def steps(self, call: Callable[[], object]) -> int:

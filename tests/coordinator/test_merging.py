@@ -184,7 +184,7 @@ def test_in_a_flood_eight_ranges_of_a_tile_come_together() -> None:
         finish(taken)
         given += taken
     assert sorted(given) == [JobKey("a", tile, index) for tile in range(30) for index in range(1, 9)]
-    # Few results come: what is begun with is no reason to leave the others behind for longer.
+    # Few results come: the tiles that came first must not delay the others any longer.
     finish(scheduler.take(8))
     later = {key.tile_index for _ in range(28 * 2 + 8) for key in scheduler.take(1)}
     assert later == set(range(30, 60))
@@ -249,8 +249,8 @@ def test_overdue_follows_the_typical_time() -> None:
 
 
 def test_a_window_full_of_later_ranges_makes_room_for_the_first() -> None:
-    """Found by the walk through all interleavings: what was merged and not committed is lost with the
-    coordinator, and what Redis still has are later ranges of the same tiles, as many as the window holds."""
+    """Found by the search of all interleavings: merged but uncommitted ranges are lost with the coordinator,
+    and Redis still has later ranges of the same tiles, as many as the window holds."""
     scheduler = Scheduler()
     scheduler.add("r", [bytearray(10) for _ in range(2)])
     later = [JobKey("r", tile, index) for tile in range(2) for index in (1, 2, 3)]

@@ -235,7 +235,7 @@ def test_exr_of_a_complete_render_has_no_manifest(service: Service) -> None:
 
 
 def test_the_first_light_is_committed_at_once(service: Service) -> None:
-    """Somebody waits for it; what comes after waits for the next commit."""
+    """A user waits for the first light; later results wait for the next commit."""
     service.start("", "--commit-seconds", "60")
     # Some ten seconds.
     render = service.create(samples=50_000).id

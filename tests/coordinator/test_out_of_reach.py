@@ -13,7 +13,7 @@ PIXELS = 10_000
 
 
 def measured(error: float, samples: int = 64, rate: float = 64_000.0, ran: float = 10.0) -> Measured:
-    """A render of 10,000 pixels whose workers trace `rate` photons a second, in the middle of its way."""
+    """A render of 10,000 pixels whose workers trace `rate` photons a second, half done."""
     return Measured(
         photons=samples * PIXELS,
         photons_wanted=1e6 * PIXELS,
@@ -72,7 +72,7 @@ def test_it_is_silent_where_nothing_is_to_be_said(stop: StopConditions, at: Meas
 
 
 def test_a_rate_that_trembles_changes_nothing() -> None:
-    """Between the time that there is and a tenth more, what was said before stays."""
+    """If the predicted time is above the limit by less than a tenth, the earlier statement stays."""
     stop = StopConditions(relative_error=0.01, wall_seconds=610.0)
     assert miss(stop, measured(0.08)) == ""
     assert miss(stop, measured(0.08), before=True) != ""
@@ -94,7 +94,7 @@ def test_webhooks_are_told_once(service: Service) -> None:
     wait_until(lambda: service.row(render.id).out_of_reach == "")
     folder.requests.resume(render.id)
     wait_until(lambda: service.row(render.id).out_of_reach != "")
-    # It was told already; with other conditions it is another promise.
+    # Webhooks know it already; with other conditions it is another promise.
     assert told(folder, render.id) == ["out_of_reach"]
     folder.requests.extend(render.id, 4_000_000, StopConditions(relative_error=1e-6, wall_seconds=50.0))
     wait_until(lambda: len(told(folder, render.id)) == 2)

@@ -107,7 +107,7 @@ def test_an_odd_result_touches_nothing() -> None:
     outcome = handler.take(b"2-1", result.SerializeToString(), 0.0, 0.5)
     assert (outcome.settled, outcome.withdrawn) == ([b"2-1"], [b"1-1"])
     assert render.film.tiles[0].merged == 0
-    # Also not as an audit, which would find a liar where there is none.
+    # Nor as an audit, which would blame a correct worker.
     scheduler.published(key, b"1-2", 0.0)
     result.floating_point_profile, result.worker_id = A, "w"
     handler.take(b"2-2", result.SerializeToString(), 0.0, 0.5)

@@ -1,4 +1,4 @@
-"""No bytes that a worker, or anybody, sends reach an accumulator unless they can be what was asked for."""
+"""Bytes from workers or others reach an accumulator only if they are a possible result of a published job."""
 
 import math
 import random
@@ -165,10 +165,10 @@ def test_results_that_are_almost_right_are_survived(seed: int) -> None:
     session.deliver(data)
     sums = session.render.film.sums
     assert np.isfinite(sums).all()
-    # What is merged is what was asked for, in every field of the job.
+    # A merged result has the published job, in every field.
     if session.render.totals.ranges:
         told = job_pb2.JobResult.FromString(data).job
-        # How long it was to take is not part of what was asked for.
+        # The time limit is not part of the job's identity.
         told.max_cpu_seconds = right.job.max_cpu_seconds
         assert told == right.job
 

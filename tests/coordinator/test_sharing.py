@@ -108,9 +108,9 @@ def test_tiles_that_are_thrown_away_are_lost_to_who_has_them(service: Service) -
     render, pen, other = service.create(), Pen(service.folder), Pen(service.folder)
     held = pen.take(render.id)
     pen.ledger.commits.start(render.id, held.fence, 1.0)
-    service.folder.database.execute("INSERT INTO contribution VALUES (?, 0, 'liar')", (render.id,))
+    service.folder.database.execute("INSERT INTO contribution VALUES (?, 0, 'faulty')", (render.id,))
     assert pen.ledger.commits.commit([commit_of(held, 4)]) == []
-    assert other.ledger.workers.distrust("liar") == [render.id]
+    assert other.ledger.workers.distrust("faulty") == [render.id]
     assert pen.ledger.commits.commit([commit_of(held, 8)]) == [render.id]
     assert pen.take(render.id).fence > held.fence
 

@@ -1,5 +1,5 @@
-"""When a render ends: what may be asked for, and that a tile's own error gives the same bits whatever
-happens.
+"""When a render ends: the allowed conditions, and equal bits with tiles that stop by their own error,
+whatever happens.
 
 One file, though long: the second half simulates renders by the conditions that the first half reads."""
 
@@ -109,7 +109,7 @@ def test_an_error_falls_as_one_over_the_root() -> None:
     assert samples_to_stop(known(0.039), 128, 0.01, ends) == 4096
     assert samples_to_stop(known(0.0), 128, 0.01, ends) == math.inf
     assert samples_to_stop(known(1.0), 128, 0.01, ends) == math.inf
-    # It has it already: at the end of the range that is on its way.
+    # The error is reached already: the tile stops at the end of the range in flight.
     assert samples_to_stop(known(1e-9), 128, 0.01, ends) == 256
 
 

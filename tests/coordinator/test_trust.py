@@ -53,7 +53,7 @@ def test_each_reason_for_doubt_alone_keeps_a_render_going(change: dict[str, Any]
 
 
 def test_the_mean_is_bounded_too() -> None:
-    """By its 95 % interval: lamps and what they light may each be known well, and all of it badly."""
+    """By its 95 % interval: lamps and lit surfaces may each be known well, and the mean of all badly."""
     assert RangeEnd.of(replace(GOOD, mean_error=1.0)).error == pytest.approx(0.196)
 
 

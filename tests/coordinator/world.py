@@ -60,7 +60,7 @@ class World:
     # --- parts ---
 
     def start(self) -> CheckedCoordinator:
-        """Another coordinator, beside those that run; alone, it is the folder's next owner."""
+        """Another coordinator, in addition to the running ones; alone, it is the folder's next owner."""
         self._runs += 1
         if not self.coordinators:
             self.store.until.clear()
@@ -146,7 +146,7 @@ class World:
             assert self.clock.now < until, "did not happen in time"
             self.round()
 
-    # --- what must hold ---
+    # --- invariants ---
 
     def row(self, render_id: str) -> OpenRender:
         return self.store.stored[render_id].row
@@ -158,8 +158,7 @@ class World:
         return self.done(render_id) >= self.store.stored[render_id].ranges_planned // 3
 
     def check_sums(self, render_id: str) -> None:
-        """What is committed is what merging the first ranges one after the other gives, in every bit (I1 to
-        I3)."""
+        """The committed sums equal the first ranges, merged one after the other, in every bit (I1 to I3)."""
         stored = self.store.stored[render_id]
         planned, samples = stored.planned, 0
         for index, row in stored.tiles.items():

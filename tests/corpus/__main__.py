@@ -1,4 +1,5 @@
-"""python -m tests.corpus MIRRORS -o PAGE.md: import and render what there is of a corpus; write how it went.
+"""python -m tests.corpus MIRRORS -o PAGE.md: import and render the available files of a corpus; write the
+results.
 
 With --means PYTHON, of an environment with Mitsuba, it renders Mitsuba's files by both renderers instead and
 writes how far the means of their images are apart.
@@ -34,7 +35,7 @@ _SHOWN = 90
 
 @dataclass(frozen=True)
 class Tried:
-    """A file, and what came of it."""
+    """A file, and its outcome."""
 
     format: str
     repository: str
@@ -148,7 +149,7 @@ def _write(git: Path, objects: dict[str, str], folder: Path) -> None:
 def page(found: list[Tried]) -> str:
     """Counts by format and reason, and every file that is not imported strictly.
 
-    What is no scene is no file of those that are counted.
+    Files that are no scenes are not counted.
     """
     lines = ["# Scenes of others", "", f"| format | files | {' | '.join(_KINDS)} | {DARK} |"]
     lines += ["| --- |" + " --- |" * (len(_KINDS) + 2)]

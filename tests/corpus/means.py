@@ -1,4 +1,4 @@
-"""Means of whole images: ours beside those of the other renderer that a file is for."""
+"""Means of whole images: Nocturne's compared with those of the renderer that a file is for."""
 
 import math
 import subprocess
@@ -36,7 +36,7 @@ _SAME_SHAPE = Fraction(1, 1000)
 _SECONDS = 900
 
 _REASONS = Path(__file__).with_name("reasons.toml")
-# Characters of what is told.
+# Characters of a message that are shown.
 _SHOWN = 300
 
 # Integrators and materials that count with polarised light say so in their message.
@@ -76,7 +76,7 @@ class Means:
 
 @dataclass(frozen=True)
 class Row:
-    """A file, and what came of it."""
+    """A file, and its outcome."""
 
     name: str
     means: Means | None

@@ -2,7 +2,7 @@
 
 `mitsuba_means.py VARIANT SCENE.xml WIDTH HEIGHT SAMPLES BATCHES MEANS.npy`
 
-Renders a scene on a film of its own, with a box filter and independent numbers, and saves the mean X, Y, Z of
+Renders a scene on a separate film, with a box filter and independent numbers, and saves the mean X, Y, Z of
 each batch's image, shape (batches, 3).
 """
 

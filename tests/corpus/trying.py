@@ -1,4 +1,4 @@
-"""One file tried in a process of its own, within bounds of time and memory."""
+"""One file tried in a separate process, within bounds of time and memory."""
 
 import multiprocessing
 import resource
@@ -21,7 +21,7 @@ from nocturne_scene.formats.reading.options import ImportOptions
 _SECONDS = 300.0
 _MEMORY = 6 * 2**30
 
-# What is rendered to see whether it can be: a small square.
+# The test render: a small square.
 _FILM = 32, 32, 4
 DARK = "its image is black"
 
@@ -32,7 +32,7 @@ NO_SCENE = "no scene"
 
 @dataclass(frozen=True)
 class Outcome:
-    """What came of a file."""
+    """The outcome of a file."""
 
     kind: str
     reasons: tuple[str, ...] = ()
@@ -42,8 +42,8 @@ class Outcome:
 
 
 def tried(file: Path, root: Path, *, renders: bool) -> Outcome:
-    """Import a file, and render it if asked; with losses where it has parts without an equal."""
-    # What has no losses would have been imported strictly, too.
+    """Import a file, and render it if asked; with losses if it has unsupported parts."""
+    # A file without losses would have been imported strictly, too.
     # Not a fork of this process: the threads of its image library would be missing in it.
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload([__name__])

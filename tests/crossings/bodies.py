@@ -1,4 +1,4 @@
-"""What stands at a place of a scene: one or more surfaces within a ball."""
+"""Objects at a place of a scene: one or more surfaces within a ball."""
 
 from collections.abc import Callable
 
@@ -32,7 +32,7 @@ def bodies_at(draft: Draft, centre: Point, *, grouped: bool) -> list[Document]:
 
 
 def lamp_in_body(draft: Draft, centre: Point) -> list[Document]:
-    """A lamp, perhaps with something beside it, and in glass or a medium, which rest around it."""
+    """A lamp, perhaps with a neighbour, and in glass or a medium, which are at rest around it."""
     chance = draft.chance
     found = [lamp(draft, centre, _WITHIN)]
     if chance.maybe(0.5):
@@ -49,7 +49,7 @@ def lamp_in_body(draft: Draft, centre: Point) -> list[Document]:
 
 
 def body_across(draft: Draft, point: Point, radius: float, *, glass: bool) -> Document:
-    """A body whose boundary may cut what is at a point, or pass over it while the shutter is open."""
+    """A body whose boundary may cut the objects at a point, or pass over them while the shutter is open."""
     chance = draft.chance
     centre = chance.near(point, 1.2 * radius)
     found = placed(draft, centre, radius, closed=True, mapped=glass)

@@ -19,7 +19,7 @@ ENOUGH = 0.93
 
 @dataclass
 class Campaign:
-    """What was found of many scenes."""
+    """Results of many scenes."""
 
     outcomes: list[Outcome] = field(default_factory=list)
     pairs: Counter[tuple[str, str]] = field(default_factory=Counter)
@@ -32,7 +32,7 @@ class Campaign:
 
     @property
     def faults(self) -> list[Outcome]:
-        """False alarms: ALPHA for all of them; what is broken is always a fault."""
+        """Scenes with a fault. False alarms: ALPHA for all of them; a broken run is always a fault."""
         wrong = holm([each.probability for each in self.outcomes], ALPHA)
         return [each for each, is_wrong in zip(self.outcomes, wrong, strict=True) if is_wrong or each.broken]
 
@@ -44,7 +44,7 @@ class Campaign:
 
     @property
     def leans(self) -> dict[str, tuple[float, int]]:
-        """Of each method beside the first one: the sum over sound scenes, and how many these are."""
+        """The sum over sound scenes and their number, for each method except the first."""
         found = dict[str, tuple[float, int]]()
         faults = self.faults
         for outcome in self.outcomes:

@@ -57,7 +57,7 @@ def all_features() -> set[str]:
 
 
 def _literals(annotation: Any) -> Iterator[Any]:
-    """Words among which a field chooses; those of what it holds are its own."""
+    """Words among which a field chooses, without those of its parts, which have their own fields."""
     if get_origin(annotation) is Literal:
         yield from get_args(annotation)
         return

@@ -1,9 +1,9 @@
 """Do methods agree, and do the errors that images state hold?
 
 Student's t of means over seeds (Welch), for the whole image and its quarters, for X, Y, Z and each further
-response. Light that a method meets seldom makes the scatter of few seeds too small, so a fault is only what
-neither this scatter nor the errors that the images state explain, with new seeds and more samples each time
-it is looked at again, and what does not shrink then.
+response. Light that a method meets seldom makes the scatter of few seeds too small, so a difference is a
+fault only if neither this scatter nor the stated errors explain it, with new seeds and more samples each time
+it is tested again, and if it does not shrink then.
 """
 
 from collections.abc import Mapping, Sequence
@@ -53,7 +53,7 @@ class Difference:
 
 
 _TINY = 1e-300
-"""Variance of what has none."""
+"""Variance of values that have none."""
 _REGIONS = ("the image", "its first quarter", "its second quarter", "its third quarter", "its last quarter")
 
 
@@ -104,7 +104,7 @@ def _p(off: Values, one: Values, other: Values, rounding: Values, degrees: int |
 def leans(found: Mapping[str, Readings]) -> dict[str, float]:
     """How much more of the image's mean Y each method brings than the first one, in standard errors: the
     normal score of Welch's t. A fault too small for a scene adds up over many; light that the first one
-    meets seldom, of which it mostly has too little, leans the other way."""
+    meets seldom, of which it mostly has too little, has the opposite sign."""
     (_, plain), *others = found.items()
     scores = {}
     for other_name, other in others:

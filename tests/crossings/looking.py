@@ -31,7 +31,7 @@ _SHRUNK = 0.5
 
 @dataclass(frozen=True)
 class Outcome:
-    """What was found of a scene."""
+    """The result of a scene."""
 
     scene: Scene
     probability: float
@@ -48,7 +48,7 @@ class Outcome:
     intervals: int = 0
     cpu_s: float = 0.0
     leans: Mapping[str, float] = field(default_factory=dict)
-    """Of methods beside the first one, as judging.leans has it."""
+    """Leans of the methods except the first, from judging.leans."""
 
 
 def look(scene: Scene, folder: Path, samples: int = SAMPLES, without: Collection[str] = ()) -> Outcome:

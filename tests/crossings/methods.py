@@ -1,4 +1,4 @@
-"""How a scene is traced: ways that share little, each by several seeds in one process."""
+"""How a scene is traced: methods that share little code, each by several seeds in one process."""
 
 import json
 from collections.abc import Mapping
@@ -26,12 +26,12 @@ Values = npt.NDArray[np.float64]
 
 PLAIN = "plain"
 CHOSEN = "chosen"
-"""As a pilot chooses for a long render, which leaves it to nobody else."""
+"""The method that a pilot chooses for a long render whose document leaves it open."""
 _PLAIN = {"sequence": "independent", "sharing": 1, "guide": "none", "direction": "adjoint"}
 
 _TRAPPED = 1e-5
 """Part of the photons that may be ended by the limit of interactions: clear glass with interpolated normals
-lets light in that is totally reflected for ever."""
+lets light in that is trapped by total reflection."""
 _FORWARD = 16
 """Samples of a film by photons from luminaires, most of which miss it, for each by photons from it."""
 
@@ -66,7 +66,7 @@ def methods_of(scene: Scene) -> dict[str, Document]:
     }
     found[CHOSEN] = {"direction": "auto", "sharing": "auto", "guide": "auto"}
     kind = scene.document["sensor"]["type"]
-    # A meter counts all photons from luminaires that leave the scene, also those of what is outside.
+    # A meter counts all photons from luminaires that leave the scene, also those of objects outside.
     if kind in (*CAMERAS, *MET_BY_PHOTONS) and scene.alone:
         found["other"] = _other(chance, scene.document, "both" if kind in CAMERAS else "forward")
     kept = scene.document.get("tracing", {})

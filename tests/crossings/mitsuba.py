@@ -22,7 +22,7 @@ from tests.crossings.sensors import CAMERA
 PYTHON = CHECKOUT / "build" / "peers" / "bin" / "python"
 _SCRIPT = Path(__file__).parents[1] / "mitsuba" / "mitsuba_batches.py"
 _ROUNDS = 12
-"""In each of which all problems that are told are taken away; what has more stays out."""
+"""Each round removes all reported problems; a scene with further problems is left out."""
 _SURFACE = re.compile(r"\$\.surfaces\[(\d+)\](\.?\w*)")
 _NOTED = ("hidden_from", "limb_darkening")
 _GREY: Document = {"type": "lambertian", "reflectance": 0.5}
@@ -36,7 +36,7 @@ _PINHOLE: Document = {
 
 
 def exportable(document: Document, folder: Path, film: Film) -> Document | None:
-    """The scene without what can't be exported; None where that is not found."""
+    """The scene without parts that can't be exported; None if no such scene is found."""
     document = _plain(document)
     for _ in range(_ROUNDS):
         try:
@@ -110,8 +110,8 @@ def _drop(surface: Document, *names: str) -> bool:
 
 
 def _plain(value: Any) -> Any:
-    """Without what is exported with a note that it looks otherwise, and without narrow lines, which Mitsuba's
-    wavelengths, drawn evenly, meet once in thousands."""
+    """The value without features that are exported with a note on a different look, and without narrow lines,
+    which Mitsuba's evenly drawn wavelengths hit once in thousands."""
     if isinstance(value, dict):
         if "lines" in value:
             return {"constant": 1.0} | {name: each for name, each in value.items() if name != "lines"}

@@ -31,7 +31,7 @@ class Program:
         self._running: _Running | None = None
 
     def run(self, words: Sequence[object]) -> None:
-        """A command line without the program's name. Raises Failed with what it said."""
+        """Runs a command line without the program's name. Raises Failed with the program's message."""
         if self._running is None:
             self._running = _Running()
         status, said = self._running.answer("\t".join(map(str, words)))
@@ -58,7 +58,7 @@ class _Running:
         self._answers: IO[str] = self._process.stdout
 
     def answer(self, command: str) -> tuple[int | None, str]:
-        """The command's status, None where the program has ended, and what was said of it."""
+        """The command's status, None if the program has ended, and its message."""
         before = self._messages.seek(0, os.SEEK_END)
         limit = int(_cpu_seconds(self._process.pid)) + CPU_LIMIT_S
         resource.prlimit(self._process.pid, resource.RLIMIT_CPU, (limit, resource.RLIM_INFINITY))

@@ -14,7 +14,7 @@ from typing import Any
 Path = tuple[str | int, ...]
 
 _SIMPLE: tuple[Any, ...] = ({"type": "lambertian", "reflectance": 0.5}, 0.5, 1.0)
-"""What may stand for something more complicated."""
+"""Simple values that may replace a more complicated one."""
 _INNER = ("kernel", "first", "second", "front", "back")
 """Fields whose value may stand for the whole."""
 _WHOLE = ("vertices", "triangles", "normals", "texture_coordinates", "layers", "table")
@@ -35,7 +35,7 @@ def reduced(whole: Any, fails: Callable[[Any], bool], seconds: float, tries: int
                 return best
             key = repr(smaller)
             if key not in tried and fails(smaller):
-                # What was tried before this place is tried again when all else is.
+                # Places before this one are tried again after all others.
                 best, changed = smaller, True
             else:
                 place += 1

@@ -37,7 +37,7 @@ SITUATIONS = (
     "rough boundary of equal index",
     "things around an intensity meter",
 )
-"""What has been wrong, and the schema has no word for."""
+"""Situations that had faults, and for which the schema has no field."""
 _FILMS = ((8, 8), (8, 8), (4, 4), (12, 8), (10, 6))
 _EDGE, _HEIGHT = 3.2, 2.6
 """Of the room, m."""
@@ -182,7 +182,7 @@ def _planet(draft: Draft) -> Document:
 
 
 def _put_bodies(draft: Draft, document: Document, free: list[Point]) -> None:
-    """Each at a place of its own, by itself or as instances of a group."""
+    """Each at a separate place, by itself or as instances of a group."""
     chance = draft.chance
     places = free[: chance.whole(1, len(free))]
     for place in places:

@@ -1,4 +1,4 @@
-"""Sensors of every type, with every way to read light."""
+"""Sensors of every type, with every method of measurement."""
 
 from typing import Any
 
@@ -20,11 +20,11 @@ _FAR_FILMS: list[tuple[Point, Point]] = [
     ([3.5, 0.4, 0.2], [-1.0, 0.2, 0.0]),
     ([-0.3, -0.8, 2.9], [0.0, 1.0, 0.2]),
 ]
-"""The same outside of the ball around all surfaces, or at its edge: above, beside and below the ground."""
+"""The same outside of the ball around all surfaces, or at its edge: above, at and below the ground."""
 
 
 def camera(draft: Draft) -> Document:
-    """Looks at what stands in the middle."""
+    """Looks at the object in the middle."""
     chance = draft.chance
     made: Document = {
         "type": chance.pick(
@@ -46,7 +46,7 @@ def camera(draft: Draft) -> Document:
                 if chance.maybe(0.5):
                     made["aperture"]["rotation_degrees"] = chance.number(0, 60)
         case "orthographic":
-            # Its plane must not leave what is around the camera.
+            # Its plane must stay in the medium around the camera.
             made |= {"height": 0.2}
         case "radiance_meter":
             made |= {"diameter": 0.06, "cone_degrees": chance.number(5, 40)}
@@ -69,7 +69,7 @@ def film(draft: Draft, *, far: bool = False) -> Document:
 
 
 def intensity(draft: Draft, centre: Point, radius: float) -> Document:
-    """Of what is in a ball."""
+    """An intensity meter of the lamps in a ball."""
     chance = draft.chance
     made: Document = {"type": "intensity_meter", "position": centre, "lamp_radius": radius}
     if chance.maybe(0.5):

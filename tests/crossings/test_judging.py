@@ -45,7 +45,8 @@ def test_a_bias_too_small_for_a_scene_adds_up_over_many(bias: float, least: floa
 
 
 def test_what_stated_errors_explain_is_no_fault() -> None:
-    """A method that misses rare light scatters little; that it may have missed some is in what it states."""
+    """A method that misses rare light scatters little; its stated error allows for the light that it may have
+    missed."""
     random = np.random.default_rng(3)
     (found,) = differences({"a": _readings(random, 1.0, 0.01, 0.5), "b": _readings(random, 1.1, 0.01)})
     assert found.probability < 1e-4

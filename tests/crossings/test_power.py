@@ -46,7 +46,7 @@ def _darker(value: Any) -> Any:
 
 
 def _without_masks(value: Any) -> Any:
-    """What is half there is there."""
+    """The value with all masks opaque."""
     if isinstance(value, list):
         return [_without_masks(each) for each in value]
     if not isinstance(value, dict):

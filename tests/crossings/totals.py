@@ -36,14 +36,14 @@ class Run:
     differ: dict[str, float]
     """Probabilities of those that still differ then, by the seed."""
     broken: dict[str, str]
-    """What was said of scenes that were not traced, by the seed."""
+    """Messages for scenes that were not traced, by the seed."""
     cpu_s: float
     leans: dict[str, tuple[float, int]]
     """Sums of how much more light methods brought than the plain one, in standard errors, and scenes."""
 
 
 def run_of(found: Campaign, first: int, samples: int) -> Run:
-    """What is kept."""
+    """The record of a campaign."""
     outcomes, faults = found.outcomes, found.faults
     sound = [each for each in outcomes if each not in faults]
     return Run(

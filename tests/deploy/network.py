@@ -38,7 +38,7 @@ def other_machine() -> Iterator[OtherMachine]:
     """Skips the test where namespaces can't be made: that takes root, in a container CAP_NET_ADMIN too."""
     name = f"nocturne-{os.getpid()}-{secrets.token_hex(2)}"
     cable = f"noc{secrets.token_hex(4)}"
-    # Link-local, so no route of a real network is in the way (RFC 3927); a pair of addresses of one /30.
+    # Link-local, so no route of a real network conflicts (RFC 3927); a pair of addresses of one /30.
     third, fourth = secrets.randbelow(254) + 1, 4 * secrets.randbelow(63)
     us, there = f"169.254.{third}.{fourth + 1}", f"169.254.{third}.{fourth + 2}"
     try:

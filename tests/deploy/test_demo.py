@@ -1,4 +1,4 @@
-"""What `make demo` says at its end is plain, and what is there."""
+"""The last lines of `make demo` are plain, and match the image."""
 
 import importlib.util
 import sys

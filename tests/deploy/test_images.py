@@ -1,4 +1,5 @@
-"""The container images have what runs in them: read from the Dockerfile, compared with what is built."""
+"""The container images have all packages that their programs need: the Dockerfile compared with the built
+programs."""
 
 import json
 import re
@@ -89,13 +90,14 @@ def test_images_have_the_programs_that_their_code_starts() -> None:
 
 @cache
 def needed_packages(program: Path) -> frozenset[str]:
-    """Debian packages of the libraries that a file names itself; those bring what they need themselves."""
+    """Debian packages of the libraries that a file names itself; those packages bring their own
+    dependencies."""
     said = subprocess.run(["readelf", "-d", program], check=True, capture_output=True, text=True).stdout
     linked = subprocess.run(["ldd", program], check=True, capture_output=True, text=True).stdout
     names = re.findall(r"NEEDED.*\[(.+)\]", said)
     places = [re.search(rf"{re.escape(name)} => (\S+)", linked) for name in names]
     files = [str(Path(place[1]).resolve()) for place in places if place]
-    # Packages name what is in /usr/lib by /lib still.
+    # Packages still name files of /usr/lib by /lib.
     either = [path for file in files for path in (file, file.removeprefix("/usr"))]
     told = subprocess.run(["dpkg", "-S", *either], check=False, capture_output=True, text=True).stdout
     owners = {path: owner.split(":")[0] for owner, path in re.findall(r"^(\S+): (\S+)$", told, re.MULTILINE)}

@@ -161,7 +161,7 @@ def test_a_worker_can_do_nothing_else(server: Guarded, words: list[str]) -> None
         worker.execute_command(*words)
 
 
-# Told apart by what they do, not by key: scripts, administration, and what Redis itself calls dangerous.
+# Forbidden by kind, not by key: scripts, administration, and commands that Redis itself calls dangerous.
 _NOBODYS = (
     ["EVAL", "return 1", "0"],
     ["FUNCTION", "LIST"],

@@ -1,4 +1,4 @@
-"""Scripts of the deployment are clean, and the Slurm script starts and ends what it should."""
+"""Scripts of the deployment are clean, and the Slurm script starts and ends the right processes."""
 
 import signal
 import subprocess
@@ -17,7 +17,7 @@ SCRIPTS = sorted([*DEPLOY.glob("**/*.sh"), *DEPLOY.glob("**/*.sbatch"), ROOT / "
 def test_scripts_are_clean(script: Path) -> None:
     shell = "bash" if "bash" in script.read_text().splitlines()[0] else "sh"
     subprocess.run([shell, "-n", script], check=True, capture_output=True)
-    # Lists of words are words of their own in these scripts where there are no quotes: SC2086 is information.
+    # Unquoted lists in these scripts are meant to split into words: SC2086 is information.
     found = subprocess.run(
         [Path(sys.executable).with_name("shellcheck"), "--severity=warning", script],
         capture_output=True,
@@ -28,8 +28,8 @@ def test_scripts_are_clean(script: Path) -> None:
 
 
 def _slurm(tmp_path: Path, worker: str, mode: int = 0o600, tunnel: str = "") -> "subprocess.Popen[str]":
-    """The Slurm script with a tunnel and a worker that only say what they were asked; the tunnel does
-    something else first, if wanted."""
+    """The Slurm script with a tunnel and a worker that only print their arguments; the tunnel runs `tunnel`
+    first, if given."""
     (tmp_path / "stunnel").mkdir()
     for name, text in (
         (

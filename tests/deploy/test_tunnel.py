@@ -1,4 +1,4 @@
-"""The tunnel for Redis: who has a certificate of our authority gets through, and nobody else."""
+"""The tunnel for Redis admits only clients with a certificate of the deployment's authority."""
 
 import socket
 from collections.abc import Callable, Iterator
@@ -23,7 +23,7 @@ pytestmark = needs_stunnel
 
 @dataclass
 class Tunnel:
-    """The end beside Redis, and what is needed to make one beside workers."""
+    """The tunnel's end at Redis, and the files for an end at a worker."""
 
     folder: Path
     port: int

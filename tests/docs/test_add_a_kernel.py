@@ -37,7 +37,7 @@ def _blocks(language: str) -> list[str]:
 
 
 def _patched(folder: Path) -> Path:
-    """A copy of what is in the repository, with the page's file and patches."""
+    """A copy of the repository, with the page's file and patches."""
     listed = subprocess.run(["git", "ls-files", "-z"], cwd=CHECKOUT, check=True, capture_output=True).stdout
     names = [name for name in listed.decode().split("\0") if name and (CHECKOUT / name).is_file()]
     for name in names:
@@ -55,7 +55,7 @@ def _patched(folder: Path) -> Path:
 
 
 def _compiled(tree: Path, folder: Path, scene: dict[str, Any]) -> str:
-    """Compiles a scene into the folder by the Python code of the copy; what is in it."""
+    """Compiles a scene into the folder by the Python code of the copy; returns the compiled scene."""
     contracts = tree / "build" / "python"
     if not contracts.exists():
         contracts.mkdir(parents=True)

@@ -42,7 +42,7 @@ def _inline(text: str) -> list[str]:
 
 
 def _is_form(text: str) -> bool:
-    """Whether it shows what may be typed, and is not meant to be."""
+    """Whether the text shows a command's form, and is not to be typed as it is."""
     return "[" in text
 
 

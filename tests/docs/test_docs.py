@@ -1,4 +1,4 @@
-"""The pages agree with the repository: links lead somewhere, and what must be named is named."""
+"""The pages agree with the repository: links lead somewhere, and all required names are there."""
 
 import json
 import os
@@ -151,7 +151,7 @@ def test_the_commands_page_is_current() -> None:
 
 
 def test_the_architecture_says_where_twelve_changes_go() -> None:
-    """That the files are there is told by test_names.py."""
+    """That the files exist is checked by test_names.py."""
     table = _page("architecture.md").partition("## Twelve changes")[2]
     rows = re.findall(r"^\| \*\*an? ([^*]+)\*\* \| ([^|]+) \| ([^|]+) \|$", table, re.MULTILINE)
     assert [name for name, _, _ in rows] == [

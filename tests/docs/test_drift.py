@@ -1,4 +1,4 @@
-"""Pages that say what is no longer so: tables without rows, errors and fields that are not there."""
+"""Outdated pages: tables without rows, errors and fields that do not exist."""
 
 import json
 import re

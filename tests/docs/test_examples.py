@@ -1,4 +1,4 @@
-"""Every example has a page with a picture, and the gallery shows all of them with what they cost."""
+"""Every example has a page with a picture, and the gallery shows all of them with their costs."""
 
 import json
 import re

@@ -35,7 +35,7 @@ def _nocturne_libraries(folder: str) -> set[str]:
 
 
 def _reachable(folder: str) -> set[str]:
-    """What a folder may include: itself, what it links, and what those link."""
+    """The folders that a folder may include: itself, its dependencies, and theirs."""
     found = {folder}
     for linked in _linked(folder):
         found |= _reachable(linked)

@@ -12,7 +12,7 @@ from nocturne_client.cli.app import app
 
 from tests.docs.test_docs import PAGES, ROOT
 
-# Records of what was decided and done on a day name the files of that day.
+# Dated records of decisions and changes name the files of their day.
 _DATED = (ROOT / "docs" / "decisions", ROOT / "CHANGELOG.md")
 
 # The kernel that a how-to page adds.

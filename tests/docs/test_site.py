@@ -1,6 +1,7 @@
 """The documentation site: it builds without a warning, and every link within it leads somewhere.
 
-What needs it is run by `make docs`; links between the pages' sources are in test_docs.py, in every run.
+Tests that need the site are run by `make docs`; links between the pages' sources are in test_docs.py, in
+every run.
 """
 
 import os
@@ -55,7 +56,7 @@ def _dead(site: Path) -> list[str]:
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The site: the one of `make docs`, or built anew."""
+    """The site: the one of `make docs`, or a fresh one."""
     if "NOCTURNE_SITE" in os.environ:
         return Path(os.environ["NOCTURNE_SITE"]).resolve()
     folder = tmp_path_factory.mktemp("site")

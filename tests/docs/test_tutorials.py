@@ -1,4 +1,4 @@
-"""Every tutorial does what it says: its commands run, in order, in an empty folder."""
+"""Every tutorial works: its commands run, in order, in an empty folder."""
 
 import os
 import signal
@@ -74,7 +74,7 @@ def _environment(folder: Path, port: int) -> dict[str, str]:
 
 
 def _end(process: subprocess.Popen[bytes]) -> None:
-    """Ends what is left of a script that took too long; one that came to its end has ended all it started."""
+    """Ends the processes of a script that took too long; a script that finished has ended its own."""
     with suppress(ProcessLookupError):
         os.killpg(process.pid, signal.SIGKILL)
     process.wait()

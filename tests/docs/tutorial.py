@@ -3,8 +3,8 @@
 A block starts with one of these lines, of which a reader sees no more than the language:
 
 ```sh                    typed and waited for
-```sh background NAME    one command in a shell of its own, which goes on to the end or until it is stopped
-```sh skip               needs what this machine may not have
+```sh background NAME    one command in a separate shell, which runs to the end or until it is stopped
+```sh skip               needs programs that this machine may not have
 
 The comment `<!-- run: stop NAME -->` stands for Ctrl-C in a shell of that name.
 """
