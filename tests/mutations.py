@@ -28,7 +28,7 @@ def mutated(message: Message, random_: random.Random) -> bytes:
 def _change_a_field(message: Any, random_: random.Random) -> None:
     fields = message.DESCRIPTOR.fields
     present = [field for field, _ in message.ListFields()]
-    # Most of the time something that is there; sometimes what is not.
+    # Mostly a field that is present; sometimes an absent one.
     field = random_.choice(present if present and random_.random() < 0.85 else fields)
     inside = field.message_type is not None
     if field.is_repeated:

@@ -26,7 +26,7 @@ def sums_of_independent(first: Values, spread: Values, samples: int) -> TileSums
     """Sums that samples can have whose pixels know nothing of each other.
 
     `first`: sums of X, Y, Z and further responses, shape (height, width, values); `spread`: of each pixel,
-    the mean square of what is drawn over the square of its mean, at least 1.
+    the mean square of the samples over the square of their mean, at least 1.
     """
     height, width, values = first.shape
     sums = TileSums.zeros(width, height, values - 3)

@@ -261,8 +261,8 @@ def test_fog_without_end(tmp_path: Path) -> None:
     read(document, tmp_path, _SAMPLES).check(0.6435, 3e-3)
 
 
-# Extinction, scattering, g, distance of the lamp from the ray, where the ray starts and ends; the lamp is
-# perpendicular to the ray at 0.
+# Extinction, scattering, g, distance of the lamp from the ray, where the ray starts and ends; 0 is the
+# point of the ray nearest to the lamp.
 _AIRLIGHTS = {
     (0.0, 0.01, 0.0, 1.0, -10.0, 10.0): 0.0023413724,
     (0.1, 0.1, 0.0, 1.0, -10.0, 30.0): 0.0072677269,

@@ -26,7 +26,7 @@ WINDOW = 2
 
 
 class Work:
-    """The render: one pixel, and what is known of it beforehand."""
+    """The render: one pixel, with its sums computed beforehand."""
 
     def __init__(self, ranges: int) -> None:
         self.ranges = ranges
@@ -123,7 +123,8 @@ class Cores:
         self._known: dict[tuple[object, ...], Reaction] = {}
 
     def start(self, committed: int, found: tuple[int, ...]) -> Reaction:
-        """One that takes the render up, and finds jobs of these ranges; withdraws what it does not want."""
+        """A core that takes the render up, and finds jobs of these ranges; it withdraws those that it does
+        not need."""
         event = ("start", committed, found)
         if event not in self._known:
             render = self._work.render_at(committed)
@@ -167,7 +168,7 @@ class Cores:
         return self._known[event]
 
     def saved(self, number: int) -> int:
-        """What is merged is committed."""
+        """The merged ranges are committed."""
         event = ("saved", number)
         if event not in self._known:
             core = self.all[number]

@@ -31,7 +31,7 @@ CORE, STALE = range(2)
 
 
 Entries = tuple[tuple[int, ...], ...]
-"""For each range the entries of a stream, in order of what they are: which is which tells nobody anything."""
+"""For each range the entries of a stream, sorted by content: their identities do not matter."""
 
 
 class State(NamedTuple):
@@ -166,7 +166,7 @@ class Explorer:
         return after._replace(committed=self.cores.all[number].merged)
 
     def _reacted(self, state: State, role: int, reaction: Reaction) -> State:
-        """With what it published and withdrew, and without what it does not know any more."""
+        """The state with the core's published and withdrawn jobs, and without those that it has forgotten."""
         out = self.cores.all[reaction.number].out
         jobs = []
         for index, entries in enumerate(state.jobs):
@@ -219,7 +219,7 @@ class Explorer:
                     yield state._replace(jobs=jobs, idle=state.idle + 1)
         if state.core >= 0:
             gone = _without(state, CORE)
-            # Alone, it is started again; of two, the other one takes over in a step of its own.
+            # Alone, it is started again; of two, the other one takes over in a separate step.
             if self._shared:
                 yield gone
             else:

@@ -62,7 +62,7 @@ def kill_redis(service: ServiceProcesses, render_id: str) -> bool:
 
 
 def flush(service: ServiceProcesses, render_id: str) -> bool:
-    """FLUSHALL while jobs are on their way: their number is asked for in the same transaction."""
+    """FLUSHALL while jobs are in flight: their number is read in the same transaction."""
     hit = False
 
     def flushed_with_jobs() -> bool:

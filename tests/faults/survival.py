@@ -1,4 +1,4 @@
-"""What must hold after every fault."""
+"""Conditions that must hold after every fault."""
 
 import json
 import os

@@ -1,9 +1,9 @@
 """Thousands of orders in which things can happen to the whole service in memory, chosen by hypothesis.
 
 After every event the core's state is validated: open, published, waiting and merged ranges are the planned
-ones, none is in two places, counts are those of the ranges, what is in flight is bounded. Committed samples
+ones, none is in two places, counts are those of the ranges, the work in flight is bounded. Committed samples
 never go back, and their sums are at any time those of the first ranges in order, bit for bit. In the end,
-with all mended, every render succeeds."""
+after all faults are gone, every render succeeds."""
 
 from hypothesis import settings
 from hypothesis import strategies as st
@@ -30,7 +30,7 @@ EXAMPLES, STEPS = 48, 25
 
 
 class Night(RuleBasedStateMachine):
-    """What can happen."""
+    """The possible events."""
 
     def __init__(self) -> None:
         super().__init__()

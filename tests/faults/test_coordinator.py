@@ -98,7 +98,7 @@ def test_disk_full_in_mid_commit(service: Service) -> None:
     wait_until(lambda: service.row(render.id).ranges_done > 0)
     _, hard = resource.prlimit(process.pid, resource.RLIMIT_FSIZE)
     resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (0, hard))
-    # What was being written may still arrive.
+    # A write in progress may still finish.
     time.sleep(0.3)
     before = service.row(render.id).ranges_done
     time.sleep(1.0)
@@ -111,7 +111,7 @@ def test_disk_full_in_mid_commit(service: Service) -> None:
 
 @pytest.mark.parametrize("program", ["coordinator", "api"])
 def test_a_full_disk_at_the_start(service: Service, tmp_path: Path, program: str) -> None:
-    """C3: it says so and ends, and leaves nothing that is in the way later."""
+    """C3: it says so and ends, and leaves nothing that blocks a later start."""
     data = tmp_path / "new"
     options = {"coordinator": ("--redis", service.server.url), "api": ("--port", "0", "--grpc-port", "0")}
     run = subprocess.run(
@@ -260,7 +260,7 @@ def test_a_slow_merger_holds_the_workers_back(service: Service) -> None:
             now = service.row(render.id).ranges_done
             most, committed, last = max(most, sum(both)), max(committed, now - last), now
             memory.append((resident_bytes(process.pid), client.info("memory")["used_memory"]))
-            # Looked at more often it would take as much of the processor as what is looked at.
+            # More frequent looks would take as much processor time as the coordinator.
             time.sleep(0.01)
         row = service.row(render.id)
         assert row.ranges_done > done

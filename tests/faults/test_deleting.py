@@ -48,7 +48,7 @@ def check_forgotten(service: Service, *render_ids: str) -> None:
 
 
 def test_what_is_looked_for_is_there_before(service: Service) -> None:
-    """C8: jobs of a render that runs are found by what must not find them later."""
+    """C8: jobs of a running render are found by the search that must not find them after the deletion."""
     service.start()
     render = service.create()
     wait_until(lambda: render.id.encode() in everything_in_redis(service))
@@ -83,7 +83,7 @@ def test_deleted_while_workers_die(service: Service) -> None:
         while len(fleet) < 3:
             fleet.append(come())
     wait_until(lambda: service.row(kept.id).state.ended)
-    # Some of its jobs may have killed three workers, which is what they are for.
+    # Some of its jobs may have killed three workers, as they are meant to.
     if service.row(kept.id).state == "SUCCEEDED":
         check_complete(service, kept.id)
     check_forgotten(service, *deleted)

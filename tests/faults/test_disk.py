@@ -1,4 +1,4 @@
-"""What lies on the disk: nothing unused for ever, nothing beyond a bound, and a sentence when it is full."""
+"""Files on the disk: unused ones are removed in time, their size is bounded, and a full disk is reported."""
 
 import asyncio
 import hashlib
@@ -52,7 +52,8 @@ def grow_old(folder: DataFolder) -> None:
 
 
 async def test_files_that_no_render_uses_go_after_a_while(service: Guarded) -> None:
-    """P11: what a render uses stays, as does what is young or was asked about; what goes is not counted."""
+    """P11: files that a render uses stay, as do young or recently requested ones; removed files are not
+    counted."""
     token = service.token("alice", "submit")
     folder = service.folder
     async with service.rest(token) as alice:
@@ -102,7 +103,8 @@ async def test_the_service_sweeps_by_itself(tmp_path: Path) -> None:
 
 
 async def test_the_data_folder_has_a_bound(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
-    """P11: 507 with a sentence beyond it, a warning before it, and what is there can be read and deleted."""
+    """P11: 507 with a sentence beyond the bound, a warning before it; stored files can be read and
+    deleted."""
     async with (
         guarded(tmp_path, data_bytes=2_000_000) as service,
         service.rest(service.token("alice", "submit", "read")) as alice,
@@ -120,7 +122,7 @@ async def test_the_data_folder_has_a_bound(tmp_path: Path, caplog: pytest.LogCap
         assert "of the 2,000,000 that it may have; delete renders" in answer.json()["detail"]
         assert 5 < len(sizes) < 20
         assert str(tmp_path) not in answer.text
-        # What was only announced, and never came, takes no room.
+        # An announced file that never came takes no room.
         small = b"small"
         for _ in range(3):
             wrong = await alice.put(f"/v1/assets/{'0' * 64}", content=bytes(90_000))

@@ -1,6 +1,7 @@
 """Who is slow, wants everything or is not welcome any more, at both endpoints: others are served.
 
-One file, though long: connections held in many ways, and the same question to the others each time.
+One file, though long: connections are held by many methods, and each time the other callers are checked
+alike.
 """
 
 import asyncio
@@ -29,7 +30,7 @@ from tests.system.waiting import LIMIT_S
 HALF_A_HEAD = b"GET /v1/renders HTTP/1.1\r\nHost: localhost\r\nX-A: "
 # All of 127.0.0.0/8 is this machine: a second caller has another address.
 ELSEWHERE = "127.0.0.2"
-# Only a guard: what is slow here has a second at most, and a busy machine may take some more.
+# Only a guard: slow steps here have a second at most, and a busy machine may take some more.
 _CLOSED_S = 15.0
 
 
@@ -77,7 +78,7 @@ async def connections(service: Guarded) -> AsyncIterator[Connections]:
 
 
 async def status_at(connections: Connections, token: str, address: str) -> int:
-    """Of a call in a connection of its own."""
+    """The status of a call in a separate connection."""
     call = f"GET /v1/renders HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer {token}\r\n\r\n"
     reader, _ = await connections.open(call.encode(), address)
     return int((await reader.readline()).split()[1])
@@ -87,7 +88,7 @@ async def status_at(connections: Connections, token: str, address: str) -> int:
 
 
 async def trickle_until_closed(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> bytes:
-    """Sends a byte now and then until the other side closes; gives what it said, empty after a reset."""
+    """Sends a byte now and then until the other side closes; returns its answer, empty after a reset."""
     answer = asyncio.create_task(reader.read())
     async with asyncio.timeout(_CLOSED_S):
         while not answer.done():
@@ -166,7 +167,7 @@ async def test_a_body_has_its_time(
     assert (await reader.readline()).split()[1] == b"200"
     incoming = service.folder.root / "blobs" / "incoming"
     assert list(incoming.iterdir()) == []
-    # What was cut off does not count.
+    # Interrupted uploads do not count.
     rows = service.folder.database.rows("SELECT size_bytes FROM upload")
     assert [row["size_bytes"] for row in rows] == [20_000]
 
@@ -285,7 +286,7 @@ async def test_uploads_at_once_are_bounded(
 
 
 async def test_wrong_tokens_are_slowed_down(service: Guarded, monkeypatch: pytest.MonkeyPatch) -> None:
-    """P8: at both endpoints; who has a token gets in beside them, from the same address too."""
+    """P8: at both endpoints; a caller with a token is served meanwhile, from the same address too."""
     monkeypatch.setattr(limits, "WRONG_TOKEN_DELAY_S", 0.3)
     token = service.token("alice", "submit")
     found: Counter[int] = Counter()

@@ -2,7 +2,7 @@
 
 A crash is that of a worker, of a coordinator, or of Redis with all that is in it; in a takeover a coordinator
 goes on that does not know that it lost its lease. In every state the sums are those of the first ranges in
-order, each once, what is committed never goes back, and the render can be finished. See `explorer.py`.
+order, each once, commits never go back, and the render can be finished. See `explorer.py`.
 """
 
 import pytest
@@ -27,7 +27,7 @@ from tests.faults.explorer import Explorer
 def test_no_order_of_things_counts_a_range_twice_or_never(
     ranges: int, workers: int, crashes: int, takeovers: int, states: int
 ) -> None:
-    """S4: the numbers of states are told so that nobody makes the walk shorter by mistake."""
+    """S4: the numbers of states are checked, so that no change shortens the search by mistake."""
     assert Explorer(ranges, workers, crashes, takeovers).walk() == states
 
 

@@ -19,7 +19,8 @@ MOST, ODD = "a" * 16, "b" * 16
 
 
 def rounds_otherwise(result: job_pb2.JobResult) -> list[job_pb2.JobResult | bytes]:
-    """Every sum is one unit in the last place larger, as an honest worker's of another class may be."""
+    """Every sum is one unit in the last place larger, as those of a correct worker of another profile may
+    be."""
     sums = np.frombuffer(result.partial.sums, dtype="<f8")
     result.partial.sums = np.nextafter(sums, np.inf).tobytes()
     return [result]
@@ -59,7 +60,8 @@ def class_in_image(service: Service, render_id: str) -> str:
 
 
 def test_a_fleet_of_two_classes_uses_one(service: Service, work: Callable[..., str]) -> None:
-    """W8: the odd worker gets no jobs, in words, and is no liar; what it did before that is not merged."""
+    """W8: the odd worker gets no jobs, with a reason, and is not counted as faulty; its earlier work is not
+    merged."""
     service.start()
     honest = {work(MOST), work(MOST)}
     odd = work(ODD, rounds_otherwise)
@@ -101,7 +103,7 @@ def test_long_work_waits_for_its_class(service: Service, work: Callable[..., str
     with service.server.client() as client:
         wait_until(lambda: client.xlen(keys.RESULTS) == 0)
     before = service.row(long.id).ranges_done
-    # Created before its workers come, or these would have to wait until they are told that they are of use.
+    # Created before its workers come; otherwise they would wait until they are marked as compatible.
     other = service.create(request_id="b", samples=100)
     work(MOST, rounds_otherwise)
     assert service.wait_for_end(other.id).floating_point_profile == MOST

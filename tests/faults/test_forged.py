@@ -94,7 +94,7 @@ def failed(job: job_pb2.Job, worker: str) -> job_pb2.JobResult:
 
 
 class Liar:
-    """A machine that enrolled, and does as it likes with what it was given."""
+    """A machine that enrolled, and misuses its credentials."""
 
     def __init__(self, farm: Farm, name: str = "liar") -> None:
         self.machine = farm.enrol(name)
@@ -131,7 +131,7 @@ class Liar:
         self._client.set(keys.WORKER_PREFIX + worker, told.SerializeToString(), px=10_000)
 
     def answer_all(self, make: Callable[[job_pb2.Job, str], job_pb2.JobResult], *names: str) -> int:
-        """Takes what there is, and sends it in all those names; gives how many jobs that were."""
+        """Takes all available jobs, and answers each in all those names; returns the number of jobs."""
         count = 0
         while taken := self.take():
             entry, job, lease = taken
@@ -190,7 +190,7 @@ def test_one_machine_under_two_names_does_not_outvote_another(farm: Farm) -> Non
 
 
 def test_two_honest_machines_find_one_under_two_names(farm: Farm) -> None:
-    """P4: and what it did is done again."""
+    """P4: and its work is done again."""
     liar = Liar(farm)
     farm.honest("honest-1")
     farm.honest("honest-2")
@@ -227,9 +227,10 @@ def test_failed_in_three_names_is_one_machine(farm: Farm) -> None:
 
 
 def test_a_forged_status_moves_only_its_own_worker(farm: Farm) -> None:
-    """P5: threads without number, another floating-point profile, and a status for somebody else's worker."""
+    """P5: an absurd number of threads, another floating-point profile, and a status for another machine's
+    worker."""
     honest = farm.honest("honest-1", floating_point_profile="a" * 16)
-    # So that the render is at work all the time, beyond the seconds after which most machines have their way.
+    # The render must run all the time, beyond the seconds after which the majority of machines decides.
     honest.delay = 0.4
     render = farm.create(samples=3000)
     wait_until(lambda: farm.row(render.id).ranges_done > 3)
@@ -253,7 +254,7 @@ def test_a_forged_status_moves_only_its_own_worker(farm: Farm) -> None:
 
 
 def test_a_status_in_a_name_that_is_not_its_keys(farm: Farm) -> None:
-    """P5: what stands in it is believed of the worker only whose key it is."""
+    """P5: a status counts only for the worker whose key it has."""
     honest = farm.honest("honest-1")
     liar = Liar(farm)
     told = job_pb2.WorkerStatus(
@@ -269,7 +270,7 @@ def test_a_status_in_a_name_that_is_not_its_keys(farm: Farm) -> None:
 
 
 def test_a_machine_is_revoked_while_it_runs(farm: Farm) -> None:
-    """P3: its connections end, what it sent last does not count, and the others go on."""
+    """P3: its connections end, its last results do not count, and the others continue."""
     render = farm.create(samples=400)
     liar = Liar(farm)
     taken = liar.first()
@@ -282,7 +283,7 @@ def test_a_machine_is_revoked_while_it_runs(farm: Farm) -> None:
 
 
 def test_machines_are_known_again_after_redis_lost_all(farm: Farm) -> None:
-    """P3: their users are made anew, and they go on by themselves."""
+    """P3: their users are created again, and they continue by themselves."""
     render = farm.create(samples=400)
     farm.honest("honest-1")
     wait_until(lambda: farm.row(render.id).ranges_done > 3)

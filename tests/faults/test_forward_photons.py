@@ -1,5 +1,5 @@
-"""Real workers, photons of both directions, the forward ones in ranges of their own: the service's image is
-that of `nocturne render` in every bit, whatever happens on the way.
+"""Real workers, photons of both directions, the forward ones in separate ranges: the service's image is
+that of `nocturne render` in every bit, whatever happens meanwhile.
 
 Half a minute for a film that is too large for one tile; the same with simulated workers is in
 tests/coordinator."""
@@ -23,7 +23,7 @@ from tests.system.waiting import wait_for
 
 @dataclass(frozen=True)
 class Film:
-    """One whose forward photons have ranges of their own."""
+    """A render whose forward photons have separate ranges."""
 
     width: int
     height: int

@@ -3,7 +3,7 @@ clock.
 
 Each runs in milliseconds, so each runs at every place and with many seeds; the state is validated after
 every event. The same rows on real processes: the other files here. One file, though long: it is the matrix of
-docs/explanation/reliability.md in its order, to be read beside it."""
+docs/explanation/reliability.md in its order, to be read together with it."""
 
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -191,7 +191,7 @@ def test_all_workers_are_gone_for_ten_minutes() -> None:
 
 
 def test_profiles_are_never_mixed() -> None:
-    """W8: an odd worker that was first and alone is outvoted; it is no liar."""
+    """W8: an odd worker that was first and alone is outvoted; it is not counted as faulty."""
 
     def rounds_otherwise(result: job_pb2.JobResult) -> list[job_pb2.JobResult | bytes]:
         sums = np.frombuffer(result.partial.sums, dtype="<f8")
@@ -280,7 +280,7 @@ def test_a_liar_is_found_and_its_work_done_again() -> None:
 
 
 def test_honest_workers_agree() -> None:
-    """L1: nobody else is found."""
+    """L1: no other worker is found."""
     world, first = running(settings=Settings(commit_seconds=0.1, audit_share=0.5, audit_share_new=0.5))
     world.run(5.0)
     render = world.create(100)
@@ -524,7 +524,7 @@ def test_fleets_of_any_size_give_the_same_sums() -> None:
 
 @contextmanager
 def stopped(world: World, seconds: float) -> Iterator[None]:
-    """The first coordinator stands still so long, and then goes on with what it knew."""
+    """The first coordinator stands still so long, and then continues with its old state."""
     coordinator = world.coordinators.pop(0)
     yield
     world.run(seconds)

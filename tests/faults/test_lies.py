@@ -1,4 +1,4 @@
-"""Workers that lie, send nonsense or old results, or touch what is not theirs: rows L of the fault matrix."""
+"""Workers that send wrong, impossible or old results, or take others' jobs: rows L of the fault matrix."""
 
 import random
 import time
@@ -39,7 +39,7 @@ def test_a_liar_is_found_and_its_work_done_again(service: Service) -> None:
 
 
 def test_honest_workers_agree(service: Service) -> None:
-    """L1: nobody else is found."""
+    """L1: no other worker is found."""
     service.start("", "--audit-share", "0.3", "--audit-share-new", "0.3")
     render = service.create(samples=100)
     for _ in range(2):
@@ -87,7 +87,7 @@ def test_garbage(service: Service) -> None:
 
 
 class Flooder:
-    """Sends, beside each result, ten that it has sent before, of any render."""
+    """Sends with each result ten that it has sent before, of any render."""
 
     def __init__(self, seed: int) -> None:
         self._random = random.Random(seed)

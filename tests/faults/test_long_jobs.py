@@ -18,7 +18,7 @@ from tests.system.waiting import wait_for
 pytestmark = pytest.mark.system
 
 FREE_S = 2.0
-"""From the answer to a call until no thread has a job of the render: what is promised.
+"""The promised time from the answer to a call until no thread has a job of the render.
 
 Measured in the processor time that a worker of one thread still takes: other programs do not lengthen that.
 """

@@ -1,4 +1,4 @@
-"""Owners beside each other: what one has, asks for and names is nobody else's trouble."""
+"""Several owners: the renders, requests and names of one owner do not affect the others."""
 
 import hashlib
 import json
@@ -186,14 +186,14 @@ async def test_open_renders_are_bounded_by_owner(tmp_path: Path) -> None:
             assert (await bob.post("/v1/renders", json=request("a"))).status_code == 201
             assert (await alice.post(f"/v1/renders/{made[0]}:cancel")).status_code == 200
             assert (await alice.post("/v1/renders", json=request("c"))).status_code == 201
-            # What was cancelled can't come back by the side entrance.
+            # A cancelled render can't come back by an extension.
             again = await alice.post(f"/v1/renders/{made[0]}:extend", json={"samples": 32})
             assert (again.status_code, again.json()["reason"]) == (429, "QUOTA")
             assert (await alice.get(f"/v1/renders/{made[0]}")).json()["state"] == "CANCELLED"
 
 
 async def test_samples_are_bounded_by_owner(tmp_path: Path) -> None:
-    """P7: all open renders together, and what they are extended to."""
+    """P7: all open renders together, and their extensions."""
     async with guarded(tmp_path, owner_open_samples=40 * 30 * 100) as service:
         token = service.token("alice", "submit")
         async with service.rest(token) as alice:
@@ -273,7 +273,7 @@ _BODIES: dict[tuple[str, str], object] = {
 async def test_others_renders_are_read_by_a_role_only(
     service: Guarded, alice: httpx.AsyncClient, bob: httpx.AsyncClient
 ) -> None:
-    """P12: who may not, is told the same as of a render that there is not."""
+    """P12: a caller without the right gets the same answer as for a render that does not exist."""
     render = (await alice.post("/v1/renders", json=request("a"))).json()["id"]
     reader = service.rest(service.token("reader", "read"))
     both = service.rest(service.token("both", "submit", "read"))
@@ -310,7 +310,8 @@ async def test_an_ambiguous_beginning_names_only_ones_own(
 
 
 async def test_a_stream_shows_ones_own(service: Guarded, alice: httpx.AsyncClient) -> None:
-    """P12: beside a stream of somebody who sees all, fed by the same poller, and full of others' renders."""
+    """P12: at the same time as a stream of a user who sees all, fed by the same poller, and full of others'
+    renders."""
     token = service.token("carol", "submit")
     assert (await alice.post("/v1/renders", json=request("a"))).status_code == 201
     queue_many(service.folder, "alice", MANY)

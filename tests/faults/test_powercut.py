@@ -1,7 +1,7 @@
-"""The machine loses its power in the instant after an answer; what was answered is there when it comes back.
+"""The machine loses its power in the instant after an answer; the answered change is there after the restart.
 
-A disk in a file is copied while all goes on, and the copy is mounted elsewhere: it has what reached the block
-device, and nothing of what was only in the memory of the system.
+A disk in a file is copied while everything runs, and the copy is mounted elsewhere: it has the data that
+reached the block device, without data that was only in the memory of the system.
 """
 
 import os
@@ -160,7 +160,7 @@ async def test_what_the_api_answered_is_there(disk: Disk, rest: httpx.AsyncClien
 
 
 async def test_tokens_are_made_and_revoked_for_good(disk: Disk, rest: httpx.AsyncClient) -> None:
-    """P1: as the command line does it, beside a service that runs."""
+    """P1: as the command line does it, while a service runs."""
     assert (await rest.get("/readyz")).status_code == 200
     here = DataFolder(disk.place / "data")
     secret = here.tokens.create("mallory", ["admin"])

@@ -1,4 +1,4 @@
-"""Real workers: the service's image is that of nocturne-trace in every bit, whatever happens on the way."""
+"""Real workers: the service's image is that of nocturne-trace in every bit, whatever happens meanwhile."""
 
 import random
 import resource

@@ -27,7 +27,7 @@ _FAULTS_PER_RENDER = 6
 
 
 class Storm:
-    """What can happen to a service, one thing after the other."""
+    """The possible faults of a service, one after the other."""
 
     def __init__(self, service: Service, chance: random.Random) -> None:
         self._service = service

@@ -28,7 +28,7 @@ _SOME_RANGES = 8
 
 @dataclass(frozen=True)
 class Network:
-    """A service whose coordinator and workers come to Redis by wires of their own."""
+    """A service whose coordinator and workers connect to Redis by separate wires."""
 
     service: ServiceProcesses
     coordinator: Wire
@@ -128,14 +128,15 @@ def test_work_goes_on_while_a_network_is_slow(network: Network, traced_alone: Im
     [("both", 0.02), *(pytest.param(each, 0.1, marks=pytest.mark.soak) for each in WIRES)],
 )
 def test_answers_that_are_lost(which: str, share: float, network: Network, traced_alone: Image) -> None:
-    """T2: a share of all calls happens and the answer never comes: what was done is done once."""
+    """T2: a share of all calls is executed without an answer; each takes effect once."""
     service = network.service
     lost = [wire.lost for wire in _wires(network, which)]
     begun = time.monotonic()
     with followed_render(service) as render:
         for wire in _wires(network, which):
             wire.weather = Weather(lost_answers=share)
-        # The worst: a coordinator asks a dozen times before it is in step, and begins anew after any loss.
+        # The worst case: a coordinator makes a dozen calls before it is in step, and starts over after any
+        # loss.
         wait_for(lambda: has_ended(service.client, render.id), "the render to end", seconds=400.0)
         took = time.monotonic() - begun
         for wire in _wires(network, which):

@@ -29,7 +29,7 @@ def test_worker_killed_in_mid_job(service: Service) -> None:
 
 @pytest.mark.parametrize("acknowledged_first", [False, True])
 def test_killed_between_result_and_acknowledgement(service: Service, acknowledged_first: bool) -> None:
-    """W2: for workers they are one step, so another program does one half, and stops for ever."""
+    """W2: for workers they are one step, so another program does one half and never the other."""
     service.start("", *OVERDUE_SOON)
     render = service.create(samples=20)
     with service.server.client() as client:
@@ -155,7 +155,7 @@ def test_a_worker_that_fails_jobs_which_others_can_do_is_quarantined(service: Se
 
 
 def test_a_drained_worker_finishes_what_it_has_and_gets_nothing_more(service: Service) -> None:
-    """What it has in hand counts, all else is done by others."""
+    """Its current job counts, all others are done by other workers."""
     service.start()
     render = service.create(samples=4000)
     drained = service.work(SimulatedWorker(service.server.url, delay=0.1))

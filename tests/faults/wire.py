@@ -31,7 +31,7 @@ FAIR = Weather()
 
 
 class Wire:
-    """Carries bytes both ways until it is told otherwise. Use it as a context manager."""
+    """Carries bytes in both directions until a fault is set. Use it as a context manager."""
 
     def __init__(self, upstream: Path, seed: int = 1) -> None:
         self.weather = FAIR
@@ -71,8 +71,8 @@ class Wire:
         self._end_all()
 
     def fall_silent(self) -> None:
-        """Nothing passes any more, and nobody is told: connections stay half open, others too. Until `mend`;
-        those that were silent stay so for ever, as behind a router that forgot them."""
+        """Drops all bytes silently until `mend`: connections stay half open, new ones too. Connections that
+        were silent stay so for good, as behind a router that forgot them."""
         self._is_silent = True
         self._silent |= set(self._all)
 

@@ -37,7 +37,7 @@ class Reference:
 
     estimate: Estimate
     one_sample: Estimate
-    """The same with the variance of one sample, which says what is too rare to be met by few."""
+    """The same with the variance of one sample, which shows light that is too rare for few samples."""
 
     @classmethod
     def of(cls, name: str) -> "Reference":
@@ -63,7 +63,7 @@ class Reference:
 
 @dataclass(frozen=True)
 class Batches:
-    """Renders with seeds of their own."""
+    """Renders with separate seeds."""
 
     scene: Imported
     folder: Path

@@ -56,7 +56,7 @@ PANEL = """<shape type="rectangle">
 <emitter type="area"><spectrum name="radiance" value="3"/></emitter></shape>"""
 HIDDEN = '<boolean name="hide_emitters" value="true"/>'
 
-# name: integrator, depth, whether lights are hidden, what there is.
+# name: integrator, depth, whether lights are hidden, content of the scene.
 CASES = {
     "medium in a box of its sphere": ("volpath", -1, "", BOX + SKY),
     **{f"glass, depth {depth}": ("volpath", depth, "", GLASS + SKY) for depth in (2, 3, 4, 6)},

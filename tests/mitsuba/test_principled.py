@@ -48,8 +48,8 @@ MATERIALS: dict[str, dict[str, float]] = {
 # Mitsuba's spectral variants divide a tint by the luminance of the few wavelengths of a path: 10 to 25 % more
 # comes back than by its variants in RGB.
 IN_RGB = ("tinted",)
-# Under a lamp as much comes back only where lobes have the same shapes: flat ones, fuzz and the tails of
-# coats have not, and the base of what is partly metal is the colour of the metal, too.
+# Under a lamp both reflect as much only if their lobes have the same shapes. Flat lobes, fuzz and the tails
+# of coats do not, and the base of a partly metallic surface has the colour of the metal, too.
 CASES = [(name, SKY) for name in MATERIALS] + [
     (name, LAMP) for name in ("plain", "smooth", "rough", "brushed")
 ]

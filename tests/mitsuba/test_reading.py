@@ -55,7 +55,7 @@ def test_all_kinds_are_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
         film = ("--width", "16", "--height", "16", "--samples", "8")
         run("render", scene, "-o", tmp_path / f"{name}.exr", *film, *options)
     files = [tmp_path / f"{name}.exr" for name in kinds]
-    # What is read is the file, so any denoiser will do.
+    # The test reads only the file, so any denoiser will do.
     monkeypatch.setattr(pictures, "denoised", lambda channels: np.dstack([channels[name] for name in "RGB"]))
     pictures.write_denoised(files[0], tmp_path)
     squares = Squares(np.zeros((1, 1, PRODUCTS)), np.zeros((1, 1, PRODUCTS)), 8)

@@ -1,7 +1,7 @@
 """Scenes of Mitsuba 3's own tests against its own spectral reference images.
 
 False alarms: for the pixels far below 0.01 a scene, for the sums 0.018 (tiles 0.01, means of three channels
-0.008). Seeds are fixed, so a test passes always or never. What is expected to differ, and why, is also in
+0.008). Seeds are fixed, so a test passes always or never. Expected differences and their reasons are also in
 docs/reference/compatibility.md.
 """
 
@@ -49,7 +49,7 @@ SCENES = {
     "participating_media/test_hetero_sigmat_volpath": ("", _SKYLIGHT),
 }
 
-# Scenes that have parts without an equal: what the importer says.
+# Scenes that have unsupported parts, with the importer's messages.
 REFUSED = {
     "various_shapes/test_various_shapes_path": 'no equal of the shape "sdfgrid"',
 }
@@ -57,7 +57,7 @@ REFUSED = {
 
 @dataclass(frozen=True)
 class Rendered:
-    """A scene beside its reference."""
+    """A scene and its reference."""
 
     guarded: Difference
     plain: Difference

@@ -1,4 +1,4 @@
-"""A scene that is measured with many sensors and seeds: what it is made of is read and converted once."""
+"""A scene that is measured with many sensors and seeds: its parts are read and converted once."""
 
 from pathlib import Path
 from typing import Any, NoReturn

@@ -1,4 +1,4 @@
-"""Documents are read, and what is wrong with them is told with its place and the valid choices."""
+"""Documents are read, and errors in them are reported with their places and the valid choices."""
 
 import json
 from typing import Any

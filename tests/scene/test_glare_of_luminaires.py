@@ -33,7 +33,7 @@ def parts_of(discs: list[Disc], film: tuple[int, int] = FILM) -> Values:
 
 
 def seen(part: Values, luminance: float, background: float | Values) -> Values:
-    """What pixels show of which luminaires fill a part."""
+    """Luminances of pixels that luminaires fill in part."""
     return part * luminance + (1.0 - part) * background
 
 

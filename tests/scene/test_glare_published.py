@@ -1,4 +1,5 @@
-"""Glare ratings beside published ones: a room that CIE 190 works out by hand, and what evalglare says."""
+"""Glare ratings compared with published ones: a room worked out by hand in CIE 190, and evalglare's
+ratings."""
 
 import math
 

@@ -24,7 +24,7 @@ FACTS: dict[str, Any] = {
     "most": 3.0,
 }
 
-# Stands for nocturne-grid: answers FACTS and writes what it was asked for; of a grid named "bad" a complaint.
+# Stands for nocturne-grid: answers FACTS and writes the requested file; for a grid named "bad" it complains.
 _PROGRAM = """#!{python}
 import sys
 verb, source, _, name, _, output = sys.argv[1:]
@@ -130,7 +130,7 @@ def test_fire_glows(document: Document, blobs: BlobStore, compiled: Compile) -> 
 def test_a_meter_beside_fire_counts_no_photons_of_luminaires(
     document: Document, blobs: BlobStore, compiled: Compile, sensor: Document
 ) -> None:
-    """A film beside a lamp and glowing smoke read 34 lx by those, where 93 is right."""
+    """A film next to a lamp and glowing smoke read 34 lx by photons from luminaires, where 93 is right."""
     document = smoke(document, blobs)
     grid = {**document["media"]["smoke"]["density"], "grid": "temperature", "factor": 1000}
     document["media"]["smoke"] |= {"absorption": 2, "temperature": grid}

@@ -1,4 +1,4 @@
-"""An intensity meter's sphere holds a lamp; what is beyond is warned of, and met from the meter."""
+"""An intensity meter's sphere holds a lamp; objects beyond cause a warning, and are traced from the meter."""
 
 import json
 from typing import Any
@@ -50,7 +50,7 @@ def test_what_is_beyond_the_sphere_is_warned_of(place: str, blobs: BlobStore) ->
 
 
 def test_photons_from_luminaires_count_what_leaves_the_scene(blobs: BlobStore) -> None:
-    """As of a drop in the Sun, whose rainbow is what is asked for."""
+    """For example, the meter measures the rainbow of a drop in the Sun."""
     found = compile_scene(parse_document(json.dumps(_lamp("forward", **BEYOND["$.distant"]))), blobs)
     assert any("it counts where it leaves the scene" in each.sentence for each in found.warnings)
 

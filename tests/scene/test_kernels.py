@@ -1,4 +1,4 @@
-"""Kernels are resolved, flattened and told apart by side; what can't be is told with its place."""
+"""Kernels are resolved, flattened and separated by side; errors are reported with their places."""
 
 import json
 from typing import Any

@@ -1,4 +1,4 @@
-"""Files of layers: equal layers are equal files, and what is written comes back."""
+"""Files of layers: equal layers are equal files, and written layers are read back unchanged."""
 
 from datetime import UTC, datetime
 from pathlib import Path

@@ -300,7 +300,7 @@ def test_important_directions_stand_where_they_are_put(document: dict[str, Any],
 
 
 def test_emission_is_aimed_at_what_is_there(document: dict[str, Any], blobs: BlobStore) -> None:
-    """By photons from luminaires only, and not by all of them: light on other ways would be lost."""
+    """Only photons from luminaires are aimed, and not all of them: light on other paths would be lost."""
     meter = {"type": "irradiance_meter", "position": [0, 0, 0], "normal": [0, 0, 1], "height": 1}
     ball = {"shape": {"type": "sphere", "centre": [0, 0, 0], "radius": 1}}
     aimed = {"direction": "forward", "aimed_emission": 0.9}

@@ -60,7 +60,7 @@ def share(knots: Floats, density: Floats, low: float, high: float) -> float:
     return float(np.trapezoid(density[inside], knots[inside]))
 
 
-# A wider line averages the observer's curve, which bends; bounds are three to ten times what was seen.
+# A wider line averages the observer's curve, which bends; bounds are three to ten times the observed errors.
 @pytest.mark.parametrize(("width", "error"), [(0.01, 1e-6), (0.1, 1e-5), (1.0, 2e-4)])
 @pytest.mark.parametrize("name", LINES)
 def test_lines_of_any_width_have_the_colour_of_the_line(

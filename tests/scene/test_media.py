@@ -1,4 +1,4 @@
-"""Media in the document: what is checked, and the messages that they become."""
+"""Media in the document: their checks, and their messages."""
 
 from typing import Any
 

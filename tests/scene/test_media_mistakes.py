@@ -1,4 +1,4 @@
-"""Mistakes in media and interiors: each is told with its place."""
+"""Mistakes in media and interiors: each is reported with its place."""
 
 import pytest
 from nocturne_scene.blobs import BlobStore

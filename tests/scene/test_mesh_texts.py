@@ -94,7 +94,7 @@ def test_binary_stl_whose_header_says_solid(tmp_path: Path) -> None:
 
 
 def test_sparse_accessors_of_a_meshs_file_are_told(tmp_path: Path) -> None:
-    """https://github.com/godotengine/godot/issues/76875: the loader would show what they replace."""
+    """https://github.com/godotengine/godot/issues/76875: the loader would show the replaced triangles."""
     positions = np.array(CORNERS, dtype="<f4").tobytes()
     content = positions + struct.pack("<2H", 1, 2)
     uri = "data:application/octet-stream;base64," + base64.b64encode(content).decode()

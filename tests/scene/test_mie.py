@@ -22,7 +22,7 @@ WATER = (1.34, 1.335, 1.33)
 
 @pytest.fixture(scope="module", autouse=True)
 def cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
-    """A cache of its own, empty at first; and three wavelengths instead of 21, to be quick."""
+    """A separate cache, empty at first; and three wavelengths instead of 21, to be quick."""
     folder = tmp_path_factory.mktemp("cache")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(platformdirs, "user_cache_path", lambda *_: folder)

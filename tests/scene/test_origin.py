@@ -1,4 +1,4 @@
-"""Scenes far from the origin compile to what they are near it."""
+"""Scenes far from the origin compile to the same message as near it."""
 
 import copy
 import tempfile
@@ -57,7 +57,7 @@ def everything() -> Document:
 
 
 def moved(document: Document, by: list[float]) -> Document:
-    """The same scene elsewhere, moved in the ways that a document has."""
+    """The same scene elsewhere, moved by each kind of placement in a document."""
 
     def add(point: list[float]) -> list[float]:
         return [a + b for a, b in zip(point, by, strict=True)]
@@ -103,7 +103,7 @@ def test_a_sensor_that_looks_from_afar_leaves_the_scene_where_it_is(
 
 
 def test_a_mesh_whose_own_coordinates_are_far_out(document: Document, compiled: Compile) -> None:
-    """As of a map: its file has large numbers, and the camera stands beside it."""
+    """A mesh from a map: its file has large numbers, and the camera stands next to it."""
     [*_, surface] = document["surfaces"]
     document |= {"surfaces": [surface], "environment": {"radiance": 1.0}}
     near = compiled(document).surfaces[0].mesh

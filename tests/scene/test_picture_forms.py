@@ -1,4 +1,4 @@
-"""Pictures show what they hold however they are stored: orders, windows, exposures, channels, primaries."""
+"""Pictures look the same however they are stored: orders, windows, exposures, channels, primaries."""
 
 from pathlib import Path
 from typing import Any
@@ -114,7 +114,7 @@ def exr(path: Path, pixels: NDArray[Any], names: str, **fields: Any) -> Path:
 def test_a_data_window_is_a_part_of_the_display_window(
     tmp_path: Path, x: int, y: int, left: int, top: int
 ) -> None:
-    """What lies outside of the display window is not seen; what is not stored is black."""
+    """Pixels outside of the display window are invisible; pixels that are not stored are black."""
     display = {"full_x": left, "full_y": top, "full_width": 6, "full_height": 4}
     file = exr(tmp_path / "a.exr", SEEN, "R G B", x=left + x, y=top + y, **display)
     expected = np.zeros((4, 6, 3))

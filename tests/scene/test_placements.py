@@ -63,7 +63,7 @@ def test_a_file_places_as_a_list_does(
     by_file["groups"]["twig"][1:] = [{"group": "leaf", "placements": placements}]
     by_file["groups"]["tree"] = [{"group": "twig", "placements": placements}]
     found = transforms(compiled(by_file))
-    # All twigs come first, then what is inside of them.
+    # All twigs come first, then their contents.
     assert sorted(found[0]) == sorted(expected[0])
     order = [np.lexsort(np.column_stack([rows.round(9), groups]).T) for groups, rows in (found, expected)]
     np.testing.assert_allclose(found[1][order[0]], expected[1][order[1]], rtol=0, atol=1e-12)

@@ -1,4 +1,4 @@
-"""Compiled spectra have the published values and lose nothing of what was written."""
+"""Compiled spectra have the published values and lose nothing of the document's."""
 
 from random import Random
 

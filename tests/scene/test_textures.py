@@ -1,4 +1,5 @@
-"""Textures are made once for each use, and what varies by one says so; meshes keep what it needs."""
+"""Textures are made once for each use, and parameters that vary by one refer to it; meshes keep its
+coordinates."""
 
 import struct
 from pathlib import Path
@@ -64,8 +65,8 @@ def test_a_colour_texture_brings_the_table_of_spectra(
 def test_opacity_leaves_colours_as_they_are_stored(
     document: dict[str, Any], compiled: Compile, blobs: BlobStore, tmp_path: Path
 ) -> None:
-    """Leaves of a tree on a transparent ground would have dark rims, and what is half transparent half the
-    colour."""
+    """Otherwise leaves of a tree on a transparent ground would have dark rims, and half-transparent parts
+    half their colour."""
     buffer = oiio.ImageBuf(oiio.ImageSpec(4, 4, 4, oiio.UINT8))
     # The library has colours times opacity, and writes them without.
     buffer.set_pixels(oiio.ROI(), np.full((4, 4, 4), [0.25, 0.25, 0.25, 0.5], dtype=np.float32))

@@ -37,7 +37,7 @@ SLACK = 4.0 * math.sqrt(0.95 * 0.05 / REPEATS)
 
 
 def moments(drawn: Values, tile_size: int = EDGE) -> ImageMoments:
-    """Of a film of whole tiles, each of its own sums."""
+    """Moments of a film of whole tiles, each from its own sums."""
     height, width = drawn.shape[1:3]
     rows = []
     for y in range(0, height, tile_size):
@@ -78,15 +78,15 @@ def with_a_lamp(random: np.random.Generator, samples: int) -> Values:
 
 
 def shared_in_blocks(random: np.random.Generator, samples: int) -> Values:
-    """The pixels of a block of 4 x 4 share three quarters of what they find."""
+    """The pixels of a block of 4 x 4 share three quarters of their light."""
     own = coloured(random, samples)
     common = coloured(random, samples, EDGE // BLOCK).repeat(BLOCK, axis=1).repeat(BLOCK, axis=2)
     return 0.25 * own + 0.75 * common
 
 
 def of_one_colour_in_blocks(random: np.random.Generator, samples: int) -> Values:
-    """The pixels of a block of 4 x 4 have one wavelength in a sample, and brightness of their own, which is
-    less skewed than an exponential: colour is what they share."""
+    """The pixels of a block of 4 x 4 have one wavelength in a sample, and independent brightness, which is
+    less skewed than an exponential: they share only colour."""
     colour = random.integers(0, 3, (samples, EDGE // BLOCK, EDGE // BLOCK))
     colour = colour.repeat(BLOCK, axis=1).repeat(BLOCK, axis=2)
     return _COLOURS[colour] * random.gamma(4.0, 0.25, (samples, EDGE, EDGE, 1))
@@ -165,8 +165,9 @@ def coverage(draw: Draw, seed: int) -> dict[str, Values]:
 def test_intervals_hold_the_truth(draw: Draw) -> None:
     """X, Y, Z, a response, u' and v', from a pixel to the film, of pixels that are alone and that share.
 
-    Of a single pixel or a few that share all, 64 exponential samples are 64 and no more: their intervals hold
-    the mean in 93.5 % (Cochran 1977, 2.15: skewness). Where pixels are alone no interval is too wide, either.
+    A single pixel, or a few that share everything, have only their 64 exponential samples: their intervals
+    hold the mean in 93.5 % (Cochran 1977, 2.15: skewness). For independent pixels no interval is too wide,
+    either.
     """
     for name, rates in coverage(draw, 11).items():
         assert (rates >= 0.93 - SLACK).all(), (name, rates)

@@ -137,7 +137,7 @@ def room(albedo: float, depth: int | None) -> dict[str, Any]:
 
 
 def test_a_closed_room_at_the_limit_of_interactions_is_told(blobs: BlobStore) -> None:
-    """What is missing is the albedo to the power of one more than the limit."""
+    """The missing part is the albedo to the power of one more than the limit."""
     [told] = warnings(room(0.9, 20), blobs)
     assert told.startswith(
         "$.tracing.maximum_depth: the sensor is in a closed room that reflects up to 90.0%"

@@ -1,4 +1,4 @@
-"""What is left to a pilot, and what becomes of its choice. Long, as each choice has its cases."""
+"""The pilot's decisions, and their effect on the compiled scene. Long, as each choice has its cases."""
 
 import json
 from collections.abc import Sequence
@@ -30,7 +30,7 @@ def compiled(
 
 
 class Asked:
-    """Stands for nocturne-trace: keeps what it was asked, and answers the same each time."""
+    """Stands for nocturne-trace: keeps its requests, and answers the same each time."""
 
     def __init__(
         self,

@@ -1,4 +1,4 @@
-"""A real API on a data folder of its own, both endpoints on free ports."""
+"""A real API on a fresh data folder, both endpoints on free ports."""
 
 import copy
 from collections.abc import AsyncIterator, Iterator

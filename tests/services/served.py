@@ -1,4 +1,4 @@
-"""A real service in a thread of its own, for clients that block."""
+"""A real service in a separate thread, for clients that block."""
 
 import asyncio
 import threading

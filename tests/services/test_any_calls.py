@@ -1,4 +1,4 @@
-"""Whatever is called, in whatever way: never an error of ours, and the service lives on."""
+"""Arbitrary calls never cause an internal error, and the service keeps running."""
 
 import copy
 import itertools
@@ -59,7 +59,7 @@ def render_id(url: str) -> str:
 
 @pytest.fixture(scope="module")
 def described(url: str) -> Any:
-    """What the service says of itself. Streams of events do not end, and have a test of their own."""
+    """The service's own description. Streams of events do not end, and have a separate test."""
     return schemathesis.openapi.from_url(f"{url}/openapi.json").exclude(path_regex="/events$")
 
 

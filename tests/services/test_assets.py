@@ -1,4 +1,4 @@
-"""Files by content through both endpoints: what does not match leaves nothing."""
+"""Files by content through both endpoints: a mismatch leaves nothing behind."""
 
 import asyncio
 import hashlib

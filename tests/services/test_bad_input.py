@@ -15,7 +15,7 @@ from nocturne_api.service import Service
 
 from tests.services.endpoints import grpc_channel, rest_client, running
 
-# Nothing below leaves anything behind, which is what is tested: one service does for all.
+# The tests check that refused input leaves nothing behind, so one service serves all of them.
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 
 Change = Callable[[dict[str, Any]], None]

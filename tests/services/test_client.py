@@ -31,7 +31,7 @@ def _stl() -> bytes:
 
 @pytest.fixture
 def scene_path(scene: dict[str, Any], tmp_path: Path) -> Path:
-    """A scene on disk with a mesh in a file beside it."""
+    """A scene on disk with a mesh in a file next to it."""
     folder = tmp_path / "scene"
     (folder / "meshes").mkdir(parents=True)
     (folder / "meshes" / "floor.stl").write_bytes(_stl())
@@ -281,7 +281,7 @@ async def test_command_line(
 
 
 def test_who_submits_in_vain_is_told_how_to_get_the_render(scene_path: Path) -> None:
-    """The answer may be what was lost."""
+    """Perhaps only the answer was lost."""
     tried = CliRunner().invoke(app, ["submit", str(scene_path), "--url", "http://127.0.0.1:9"])
     assert isinstance(tried.exception, NotReachedError)
     assert re.search(r"again with --request-id [\w-]{36}", tried.output)

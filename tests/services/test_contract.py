@@ -115,7 +115,7 @@ _DIFFERENCES = {
     # Documents are JSON, which protobuf carries as text.
     ("CreateRenderRequest", "scene_json", "scene"),
     ("PreflightRequest", "scene_json", "scene"),
-    # One message serves for webhooks with and without their secret, which is told once.
+    # One message serves for webhooks with and without their secret, which is shown once.
     ("ListWebhooksResponse", "webhooks", "webhooks"),
     # gRPC can leave a message out; a REST body with zeros says the same.
     *(("LookFirstRequest", "region", ""), ("LookFirstRequest", "", "x"), ("LookFirstRequest", "", "y")),
@@ -151,7 +151,7 @@ def _type_of_field(field: FieldDescriptor) -> str:
 
 
 def _may_be_absent(field: FieldDescriptor) -> bool:
-    # Protobuf tells a message that is not there from an empty one. Those of answers are always there.
+    # Protobuf distinguishes an absent message from an empty one. Messages of answers are always present.
     return field.name == "look_first" or field.containing_oneof is not None
 
 
@@ -165,7 +165,7 @@ def _type_of_schema(schema: dict[str, Any]) -> tuple[str, bool]:
         return _type_of_schema(one)[0], True
     if "$ref" in schema:
         name = schema["$ref"].rpartition("/")[2]
-        # What is asked for is what is answered, but for the time that `until` came to.
+        # Request and answer have the same fields, except for the time that `until` resolves to.
         return ("StopConditions" if name == "StopRequest" else name), False
     if schema["type"] == "array":
         return f"list of {_type_of_schema(schema['items'])[0]}", False
@@ -174,7 +174,7 @@ def _type_of_schema(schema: dict[str, Any]) -> tuple[str, bool]:
 
 @pytest.mark.parametrize("name", sorted(set(MESSAGES) - _NO_SCHEMA))
 def test_messages_have_the_fields_of_the_schemas(name: str) -> None:
-    """Names, types and what may be absent."""
+    """Names, types and optional fields agree."""
     message, schema = _fields_of_message(MESSAGES[name]), _fields_of_schema(_schema_of(name))
     for of, in_message, in_schema in _DIFFERENCES:
         if of == name:

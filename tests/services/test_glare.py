@@ -1,4 +1,4 @@
-"""Glare of renders and files whose luminaires are told: the layer is made without being asked for."""
+"""Glare of renders and files with a layer of luminaires, which is made by default."""
 
 import asyncio
 import json

@@ -117,7 +117,8 @@ async def test_an_import_that_takes_too_much_is_ended(
 async def test_an_import_outlives_its_request(
     rest: httpx.AsyncClient, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    """Asked for again it is the one under way, and later the answer that is kept: one child for all."""
+    """A repeated request joins the running import, and later gets the stored answer: one child process for
+    all."""
     files = await uploaded(rest, {"room.xml": ROOM.encode(), "parts/floor.xml": FLOOR.encode()})
     starts, go_on = tmp_path / "starts", tmp_path / "go on"
     program = tmp_path / "slow.py"

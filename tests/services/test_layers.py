@@ -187,7 +187,7 @@ async def test_one_that_fails_for_now_holds_no_place(
 async def test_wait_for_room_in_a_bounded_folder(
     folder: DataFolder, monkeypatch: pytest.MonkeyPatch, more_bytes: int
 ) -> None:
-    """Nothing is made beyond the bound; what is being made counts, and is told to others that ask."""
+    """Nothing is made beyond the bound; layers in progress count, and are reported to other requests."""
     render_id = queue_with_layers(folder, "ann", "one")
     size_bytes = 4 * 8 * 8
     space = Space(folder.root, 0.0)
@@ -254,7 +254,7 @@ def test_count_as_stored_before_they_are(folder: DataFolder) -> None:
     stored = {
         row["id"]: row["stored_bytes"] for row in folder.database.rows("SELECT id, stored_bytes FROM render")
     }
-    # A file of its own, and the image: 4 bytes of one channel of 8 x 8 pixels.
+    # A separate file, and the image: 4 bytes of one channel of 8 x 8 pixels.
     assert stored[with_layers] - stored[plain] == 2 * 4 * 8 * 8
 
 

@@ -32,7 +32,7 @@ async def guided(rest: httpx.AsyncClient, guided_body: dict[str, Any]) -> str:
 
 
 async def test_light_in_a_pool_comes_as_snell_has_it(rest: httpx.AsyncClient, guided: str) -> None:
-    """Cones are of what was learned nearby: within 0.2 m, that is 6 degrees."""
+    """Cones come from light that was learned nearby: within 0.2 m, that is 6 degrees."""
     found = (await rest.get(guided, params={"x": FILM[0] // 2, "y": FILM[1] // 2})).json()
     assert found["normal"] == pytest.approx([0, 0, 1])
     assert found["direction"] == pytest.approx([0, 0, -1], abs=1e-5)

@@ -1,4 +1,4 @@
-"""`nocturne render`: seeds, statistics, stops and what it says at the end, by the real tracer."""
+"""`nocturne render`: seeds, statistics, stops and its last lines, by the real tracer."""
 
 import json
 import math
@@ -260,7 +260,7 @@ def test_a_scene_of_another_renderer_is_rendered_with_its_film(tmp_path: Path) -
 def test_what_fails_between_ranges_ends_the_render(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, scene: Path
 ) -> None:
-    """The program asks after each range, and would wait for an answer for ever."""
+    """The program asks after each range, and would wait for an answer without end."""
 
     def fail(*_: object) -> bool:
         raise ValueError("sums that nobody can read")

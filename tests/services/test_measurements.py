@@ -1,4 +1,4 @@
-"""Photometry of renders and of files: regions that are kept, tables, isolines, glare, and what is refused."""
+"""Photometry of renders and of files: stored regions, tables, isolines, glare, and refusals."""
 
 import asyncio
 import csv
@@ -77,7 +77,7 @@ async def test_parts_of_an_image_are_measured_across_tiles(
     low, high = seam["minimum"], seam["maximum"]
     assert (low["x"], low["y"], low["value"]) == (28, 4, pytest.approx(168))
     assert (high["x"], high["y"], high["value"]) == (35, 7, pytest.approx(205))
-    # And what one more find would bring.
+    # The error includes the variance of one more lit sample.
     assert 1.0 < low["standard_error"] / (168 * 0.1 / np.sqrt(SAMPLES - 1)) < 1.02
     assert [seam["u0"], seam["ud"]] == pytest.approx([168 / 186.5, 168 / 205])
     assert seam["u0_error"] > 0.0
@@ -248,7 +248,7 @@ def test_a_file_is_measured_as_a_render_is(tmp_path: Path) -> None:
     (found,) = told["measurements"]
     assert (told["quantity"], told["unit"]) == ("illuminance", "lx")
     assert found["mean"] == pytest.approx(100 + 3.5 + 50, rel=1e-6)
-    # And what one more find would bring.
+    # The error includes the variance of one more lit sample.
     assert 1.0 < found["minimum"]["standard_error"] / (132 * 0.1 / np.sqrt(SAMPLES - 1)) < 1.02
     words = run("measure", str(path), "--region", "2,3,4,5", "--polygon", "0,0 8,0 0,8", "--histogram", "3")
     assert "illuminance in lx, with 95 % intervals" in words

@@ -110,7 +110,7 @@ def test_loopback_needs_none(host: str) -> None:
 
 
 async def test_a_test_that_fails_leaves_no_server(tmp_path: Path) -> None:
-    """Else the next service in this process may wait for it for ever."""
+    """Otherwise the next service in this process may wait for it without end."""
     ports: list[int] = []
 
     async def fail() -> None:

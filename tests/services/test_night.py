@@ -188,9 +188,9 @@ async def test_the_command_line_does_it_all(
     folder.database.execute(
         "INSERT INTO worker VALUES ('w1', 2, 2, 10, 20, 5.5, 3, 1.0, unixepoch() + 0.0, 'a1')"
     )
-    folder.database.execute("INSERT INTO quarantine VALUES ('w1', 'It lied.', 1.0)")
-    assert "It lied." in await nocturne("workers")
-    assert "It lied." not in await nocturne("workers", "--release", "w1")
+    folder.database.execute("INSERT INTO quarantine VALUES ('w1', 'Wrong results.', 1.0)")
+    assert "Wrong results." in await nocturne("workers")
+    assert "Wrong results." not in await nocturne("workers", "--release", "w1")
     assert "Draining: it finishes" in await nocturne("workers", "--drain", "w1")
     folder.database.execute("UPDATE drain SET since = 1.0")
     assert "Drained: it has none." in await nocturne("workers")

@@ -89,7 +89,7 @@ def test_blobs_come_back_from_the_object_store(objects: ObjectStore, tmp_path: P
     third = BlobStore(tmp_path / "third", objects)
     with pytest.raises(ObjectDamaged):
         third.path(SHA256)
-    # What is here needs nobody.
+    # A file in the local folder needs no object store.
     assert first.path(SHA256).read_bytes() == DATA
 
 

@@ -1,4 +1,4 @@
-"""What commands write: refused early where it can not be; devices and links stay what they are."""
+"""Output files of commands: refused early if they can't be written; devices and links stay as they are."""
 
 import os
 import stat

@@ -1,4 +1,4 @@
-"""`nocturne ies` refuses what can't become a photometric file."""
+"""`nocturne ies` refuses images that can't become a photometric file."""
 
 from pathlib import Path
 

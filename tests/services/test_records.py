@@ -36,7 +36,7 @@ _READING_CALLS = ("Get", "List", "Watch", "Fetch", "Explain", "ReadRegion", "Bat
 _DATA = b"a file"
 _SHA256 = hashlib.sha256(_DATA).hexdigest()
 
-# How to call each route that changes something, and what is recorded then.
+# For each route that changes something: the body of a call, and the name in its record.
 _CALLS: dict[tuple[str, str], tuple[Any, str]] = {
     ("POST", "/v1/renders"): ("body", "create"),
     ("POST", "/v1/renders/{render_id}:cancel"): ({}, "cancel"),
@@ -146,7 +146,7 @@ async def test_who_may_not_is_recorded_by_name(tmp_path: Path, body: dict[str, A
                 answer = await rest.request(method, address, headers=headers, **sent)
                 call = folder.calls.last(1)[0]
                 assert (call["who"], call["what"]) == ("reader", what)
-                # Of what is not there, nobody is told whether they might.
+                # For a missing object the answer does not show whether the caller has the right.
                 assert answer.json()["reason"] in ("FORBIDDEN", "NOT_FOUND")
                 assert call["outcome"] == answer.json()["reason"]
         assert len(folder.calls.last(100)) == len(_CALLS)

@@ -1,4 +1,4 @@
-"""What a render waits for, in a sentence, and what Prometheus is told."""
+"""The reason why a render waits, in a sentence, and the metrics for Prometheus."""
 
 from dataclasses import replace
 from typing import Any

@@ -1,4 +1,4 @@
-"""Committed tiles as floats: what the bytes say, what is left out, and how the event stream names them."""
+"""Committed tiles as floats: their bytes, omitted tiles, and their names in the event stream."""
 
 import asyncio
 import json

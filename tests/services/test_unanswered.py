@@ -1,4 +1,4 @@
-"""A submission whose answer does not come may have been made: who sent it is told how to find out."""
+"""A submission whose answer does not come may have been made: the error tells its sender how to find out."""
 
 import json
 import re

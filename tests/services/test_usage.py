@@ -1,4 +1,4 @@
-"""Who uses what, and what it costs."""
+"""Usage by owner, and its cost."""
 
 import asyncio
 from pathlib import Path
@@ -42,7 +42,7 @@ async def test_owners_have_shares_hours_and_costs(tmp_path: Path) -> None:
         assert (ann["owner"], ann["renders"], ann["open_renders"], ann["weight"]) == ("ann", 2, 1, 300)
         assert (ann["share"], ann["cpu_seconds"], ann["cost"]) == (0.75, 54000.0, pytest.approx(0.6))
         assert (bob["share"], bob["weight"], bob["cost"]) == (0.25, 100, pytest.approx(1.0))
-        # What was used stays used.
+        # Usage stays after the render is deleted.
         folder.database.execute("DELETE FROM render WHERE id = 'r-1'")
         _, ann = (await rest.get("/v1/usage")).json()["owners"]
         assert (ann["renders"], ann["open_renders"], ann["cpu_seconds"]) == (2, 1, 54000.0)

@@ -1,8 +1,8 @@
-"""How tev shows the channels of every EXR that we write: by the rules of its source.
+"""How tev shows the channels of every EXR that Nocturne writes: by the rules of its source.
 
-github.com/Tom94/tev, `Channel::split` and `Image::getGroupedChannels`: what stands before a channel's last
-dot is its layer; in a layer, channels of these names are one picture, every other is a picture of its own;
-and A is the layer's opacity.
+github.com/Tom94/tev, `Channel::split` and `Image::getGroupedChannels`: the part of a channel's name before
+its last dot is its layer; in a layer, channels of these names are one picture, every other is a separate
+picture; and A is the layer's opacity.
 """
 
 from pathlib import Path
@@ -65,11 +65,11 @@ def test_tev_shows_an_image_its_layers_parts_and_bands(
     }
     assert sorted(shown["id"]) == ["material", "object"]
     assert shown["S0"] == ["450,000000nm", "550,000000nm"]
-    # Errors and how they go together are layers of what they are of; none has a name that is an opacity.
+    # Errors and their correlations are layers named by their channel; none has the name of an opacity.
     assert shown["Y"] == ["blockRatio", "ownRatio", "stderr", "tileRatio"]
     assert shown["S0.450,000000nm"] == ["stderr"]
     assert not any("A" in names for names in shown.values())
-    # What is read is the file, so any denoiser will do.
+    # The test reads only the file, so any denoiser will do.
     monkeypatch.setattr(pictures, "denoised", lambda channels: np.dstack([channels[name] for name in "RGB"]))
     pictures.write_denoised(image, tmp_path)
     denoised = pictures_in_tev(channels_of(tmp_path / pictures.EXR))

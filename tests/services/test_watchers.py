@@ -59,7 +59,7 @@ async def is_shut(watcher: Watcher) -> bool:
 
 
 async def test_who_is_revoked_waits_for_no_rest(monkeypatch: pytest.MonkeyPatch) -> None:
-    """P10: after a look that took long others hear nothing for a while; this is told at once."""
+    """P10: after a slow look at the folder watchers pause for a while; a revocation ends them at once."""
     monkeypatch.setattr("nocturne_api.operations.watchers.WATCH_REST", 1e12)
     folder = Folder()
     watchers = Watchers(folder)

@@ -39,7 +39,7 @@ async def test_private_addresses_are_refused_named_or_not(address: str) -> None:
     literal = f"[{address}]" if ":" in address else address
     with pytest.raises(TargetRefused, match="not a public address"):
         await rules.address(rules.parse(f"https://{literal}/"))
-    # Who gives it is told at once.
+    # The call that gives the address is refused at once.
     with pytest.raises(InputError, match=r"\$\.url.*not a public address"):
         rules.admit(f"https://{literal}/")
     rules.admit("https://name.example/")
@@ -47,7 +47,7 @@ async def test_private_addresses_are_refused_named_or_not(address: str) -> None:
 
 @pytest.mark.parametrize("host", ["2130706433", "0x7f.1", "0177.0.0.1", "127.1", "localhost"])
 async def test_other_spellings_of_this_machine_are_refused(host: str) -> None:
-    """What the system's resolver makes of them is what is checked."""
+    """The check uses the addresses that the system's resolver returns for them."""
     rules = TargetRules()
     with pytest.raises(TargetRefused):
         await rules.address(rules.parse(f"https://{host}/"))

@@ -44,7 +44,7 @@ def main() -> int:
 
 
 def _row(case: Case, folder: Path) -> dict[str, Verdict]:
-    # What is refused is refused by the compiler, which all methods share.
+    # The compiler, which all methods share, refuses such scenes.
     methods = WAYS if case.truth is not None else WAYS[:1]
     return {method.name: measure(case, method, folder / "scene") for method in methods}
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from tests.accuracy.tracing import Document
 
 RADIANCE_ROUNDING = 2e-5
-"""Part of a truth that is allowed beside chance: single precision along a path, and the observer's tables."""
+"""Allowed part of a truth, beyond chance: single precision along a path, and the observer's tables."""
 
 
 def _no_files(folder: Path) -> None:
@@ -16,19 +16,20 @@ def _no_files(folder: Path) -> None:
 
 @dataclass(frozen=True)
 class Case:
-    """A scene, what it must read, and what is allowed."""
+    """A scene, its true reading, and the allowed deviation."""
 
     name: str
     stress: str
-    """What is extreme, in a few words."""
+    """The extreme feature, in a few words."""
     document: Document
     truth: float | None
     """Mean over the film of Y, for lights given as spectral radiance: in units of a flat spectrum's 1; None
-    where the only right answer is an error that says what is wrong."""
+    if the only right answer is an error that names the mistake."""
     source: str
     """Where the truth is from."""
     allowed: float = RADIANCE_ROUNDING
-    """Part of the truth, beside chance: how well the truth and the scene that stands for it are known."""
+    """Allowed part of the truth, beyond chance: how well the truth and the scene that stands for it are
+    known."""
     samples: int = 256
     """For each of the 64 pixels."""
     remedy: str = ""

@@ -1,4 +1,4 @@
-"""A second method for slabs of media: random walks of our own, without geometry, in double precision."""
+"""A second method for slabs of media: independent random walks, without geometry, in double precision."""
 
 from functools import cache
 

@@ -87,7 +87,7 @@ def test_judge() -> None:
 
 
 def test_kept_matrix_has_all_cases_and_its_page() -> None:
-    """docs/explanation/stability.md is what `make stability` makes of what it kept."""
+    """docs/explanation/stability.md equals the page that `make stability` makes of the kept matrix."""
     matrix = from_json((CHECKOUT / "bench" / "results" / "stability.json").read_text())
     assert list(matrix) == list(_ALL)
     assert (CHECKOUT / "docs" / "explanation" / "stability.md").read_text() == page(

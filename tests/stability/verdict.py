@@ -39,7 +39,7 @@ class Word(Enum):
 
 @dataclass(frozen=True)
 class Verdict:
-    """What came of a case by a method."""
+    """The outcome of a case by a method."""
 
     word: Word
     off: float | None = None
@@ -47,7 +47,7 @@ class Verdict:
     error: float | None = None
     """Standard error of `off`."""
     said: str = ""
-    """The message of what was refused, or why it failed."""
+    """The message of a refusal, or the reason of a failure."""
     cpu_s: float = 0.0
     warned: bool = False
     """Whether compiling told of something that can hardly be meant."""

@@ -106,7 +106,7 @@ def _forking_process() -> socket.socket:
 
 
 def _fork_on_request(connection: socket.socket) -> dict[str, Any]:
-    """Answers requests; gives what was asked for in the process that is to do it."""
+    """Answers requests by forks; in the fork, returns the request that it must carry out."""
     while True:
         text, descriptors, _, _ = socket.recv_fds(connection, 1_000_000, 2)
         if not text:
@@ -128,7 +128,7 @@ def _fork_on_request(connection: socket.socket) -> dict[str, Any]:
 
 
 def main() -> None:
-    """Forks, and is what is asked for in those that are forked."""
+    """Forks on request, and runs the requested program in each fork."""
     connection = socket.socket(fileno=int(sys.argv[1]))
     asked = _fork_on_request(connection)
     while os.getppid() != asked["parent"]:

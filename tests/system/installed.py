@@ -1,7 +1,7 @@
 """Virtual environments with our wheels and nothing of this checkout.
 
-The wheels are built and installed as pip does it. What they depend on is not fetched: each declared
-dependency, and what that depends on in turn, is linked from the environment that the tests run in, and
+The wheels are built and installed as pip does it. Dependencies are not fetched: each declared
+dependency, and its own in turn, is linked from the environment that the tests run in, and
 nothing else is there. So a dependency that is used and not declared is missing, as it would be elsewhere, and
 no registry is asked.
 """

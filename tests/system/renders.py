@@ -106,7 +106,7 @@ class FollowedRender:
 
 @contextmanager
 def followed_render(service: ServiceProcesses, samples: int = SAMPLES) -> Iterator[FollowedRender]:
-    """Submits the render; at the end, fails if what was merged, or a preview, ever went back."""
+    """Submits the render; at the end, fails if merged samples, or a preview, ever went back."""
     render = FollowedRender(service, samples)
     try:
         yield render

@@ -64,7 +64,7 @@ class ServiceProcesses:
         wait_for(self._api_answers, "the API")
 
     def close(self) -> None:
-        """Ends all processes at once: nothing of what they hold is of worth."""
+        """Ends all processes at once: nothing in them is worth keeping."""
         for program in reversed(self._programs()):
             program.kill()
         self.queue.close()

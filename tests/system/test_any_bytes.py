@@ -49,7 +49,7 @@ class Reader:
         self.scene = scene_pb2.CompiledScene.FromString(blobs.path(sha256).read_bytes())
 
     def status(self, scene: bytes, job: bytes) -> tuple[int, str]:
-        """Exit status, negative for a signal, and what it said; 0 where it takes too long."""
+        """Exit status, negative for a signal, and the program's message; 0 if it takes too long."""
         (self.folder / "scene.pb").write_bytes(scene)
         (self.folder / "job.pb").write_bytes(job)
         try:

@@ -1,4 +1,4 @@
-"""Bad input to a service in a process of its own, at both endpoints; tests/services has every kind of it."""
+"""Bad input to a service in a separate process, at both endpoints; tests/services has every kind of it."""
 
 import json
 import subprocess

@@ -19,7 +19,7 @@ _MOST = 512 << 20
 
 
 _LEAST = 20 << 20
-"""What it takes in any case: less was not measured."""
+"""Memory that any scene takes: smaller values were not measured."""
 
 
 def test_a_thousand_trees_take_little_memory(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ from bench import grid
 pytestmark = [pytest.mark.system, pytest.mark.soak]
 
 _API_BYTES = 250_000_000
-"""Half of the file: what it holds does not grow with an asset."""
+"""Half of the file: the API's memory does not grow with an asset."""
 
 
 def test_half_a_gigabyte_is_held_once_by_each_worker_and_never_by_the_service() -> None:

@@ -168,7 +168,7 @@ def test_a_luminaire_is_seen_through_holes_and_not_through_what_hides_it(tmp_pat
 
 
 def test_light_that_lets_rays_through_is_seen(tmp_path: Path) -> None:
-    """It emits, and shows what is behind it."""
+    """It emits, and shows the surfaces behind it."""
     glow = lamp("glow", -1.0, 1.0, {"type": "mask", "kernel": BLACK, "opacity": 0.0})
     np.testing.assert_array_equal(emission(tmp_path, glow, LEFT, RIGHT)[HALF], 1.0)
 

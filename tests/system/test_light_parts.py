@@ -67,7 +67,7 @@ CRYSTAL = {
     "shape": {"type": "sphere", "centre": [-0.6, -0.6, -1.8], "radius": 0.25},
     "kernel": {"type": "dielectric", "index": {"cauchy": [1.5, 0.02]}},
 }
-"""Its colours go different ways, so that photons of a group part."""
+"""It refracts colours into different directions, so that photons of a group separate."""
 
 
 def render(folder: Path, surfaces: list[Scene], *layers: str, **tracing: Any) -> Channels:

@@ -74,7 +74,7 @@ def test_a_time_stops_it_and_a_replay_gives_the_bits(service: ServiceProcesses, 
     assert state == "SUCCEEDED"
     assert differing_values(Image.read(replayed), Image.read(path)) == {}
     assert again == image
-    # More on top of it keeps what it has: it needs no more rays than are new.
+    # An extension keeps the samples of the render: it traces only the rays of new ones.
     extended = service.client.extend(
         render.id,
         stop={"cpu_seconds": service.client.get(render.id).progress.cpu_seconds + 1.0},

@@ -1,4 +1,4 @@
-"""`nocturne preflight` from end to end: what matters by a known factor is kept, what does not is left out."""
+"""`nocturne preflight` from end to end: parts that matter by a known factor are kept, others are left out."""
 
 import json
 import math

@@ -1,4 +1,4 @@
-"""nocturne-trace by many seeds: each image is the one that a scene with that seed of its own gives."""
+"""nocturne-trace by many seeds: each image equals the one of a scene with that seed."""
 
 import subprocess
 from pathlib import Path

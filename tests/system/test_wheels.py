@@ -164,7 +164,7 @@ def test_what_needs_more_than_the_client_says_so(client: Installed, words: tuple
 
 @pytest.mark.soak
 def test_the_client_uses_nothing_newer_than_the_oldest_python_that_it_names() -> None:
-    """By mypy, which knows what came with which Python; that Python itself need not be here."""
+    """By mypy, which knows the features of each Python; that Python itself need not be installed."""
     folder = ROOT / "services" / "client"
     project = tomllib.loads((folder / "pyproject.toml").read_text())["project"]
     oldest = project["requires-python"].removeprefix(">=")

@@ -87,7 +87,7 @@ class Up:
         return children
 
     def _said(self) -> dict[str, Any]:
-        """What it tells other programs of itself; empty while it says nothing."""
+        """The service's description for other programs; empty until it is written."""
         try:
             said: dict[str, Any] = json.loads((self.data / "service.json").read_text())
         except FileNotFoundError:

@@ -1,6 +1,6 @@
 """Waits on conditions, never on time: limits are generous, because test machines can be slow.
 
-What is asked for often costs the service that answers more than what it is asked about, so the pause between
+Frequent questions would cost the service more than the work that they ask about, so the pause between
 two questions grows: a tenth of the time waited so far, 10 to 200 ms.
 """
 
@@ -13,7 +13,7 @@ _T = TypeVar("_T")
 
 
 def wait_for(find: Callable[[], _T], what: str, seconds: float = LIMIT_S) -> _T:
-    """The first true value that `find` gives; if there is none, fails the test with what was waited for."""
+    """The first true value that `find` gives; if there is none, fails the test with `what` in its message."""
     begun = time.monotonic()
     while True:
         found = find()

@@ -46,7 +46,7 @@ def archive_of(folder: Path, target: Path) -> Path:
 
 
 def visit(script: str, given: Mapping[str, Any]) -> None:
-    """Runs a script of this folder in Node.js, and fails with what it printed if it fails."""
+    """Runs a script of this folder in Node.js; if it fails, fails with its output."""
     result = subprocess.run(
         [NODE, ROOT / "tests/web" / script],
         env=os.environ | {"NOCTURNE_E2E": json.dumps(given)},

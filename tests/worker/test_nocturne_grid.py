@@ -26,7 +26,7 @@ def answer(*arguments: object) -> Any:
 
 
 def refusal(*arguments: object) -> str:
-    """What it says about input that it refuses."""
+    """The message about refused input."""
     done = run(*arguments)
     assert done.returncode == 2, done.stdout + done.stderr
     assert done.stdout == ""

@@ -1,4 +1,4 @@
-"""Differences of images whose noise is made here, so that what must be found is known. Fixed seeds."""
+"""Differences of images whose noise is made here, so that the right result is known. Fixed seeds."""
 
 from pathlib import Path
 

@@ -1,7 +1,8 @@
 """python -m tests.scene.formats.fuzz [--seconds 600] [READER...]: import files made wrong, for so long.
 
-Each reader works in a process of its own with bounded memory, so that a crash of a library is seen. A try is
-told by its number, from which `--first` makes the same file again. Ends with an error if any try failed.
+Each reader works in a separate process with bounded memory, so that a crash of a library is seen. A try is
+identified by its number, from which `--first` makes the same file again. Ends with an error if any try
+failed.
 """
 
 import argparse
@@ -99,7 +100,7 @@ def _serialized() -> bytes:
 
 
 def _compressed(model: Model) -> list[Seed]:
-    """Changes of the buffer's bytes, and of what is said of them."""
+    """Changes of the buffer's bytes, and of their description."""
     model.tree["buffers"] = [{"byteLength": len(model.content), "uri": "a.bin"}]
     if model.tree["bufferViews"][-1].get("buffer"):
         model.tree["buffers"].append({"byteLength": 10_000})
@@ -209,7 +210,7 @@ READERS: dict[str, Callable[[Path], list[Seed]]] = {
 
 @dataclass
 class Tally:
-    """What came of some tries."""
+    """The results of some tries."""
 
     tries: int = 0
     failed: int = 0
@@ -259,7 +260,7 @@ def _work(sender: Connection, folder: Path, name: str, first: int, ends: float) 
     while time.monotonic() < ends:
         random_ = random.Random(number)
         seed = random_.choice(seeds)
-        # In every other one what there is twice shares files already.
+        # In every other try, repeated shapes share files already.
         crowds.MANY = (MANY, 1)[number % 2]
         started = time.process_time()
         error = ""

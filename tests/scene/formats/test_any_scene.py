@@ -1,4 +1,4 @@
-"""Files made wrong in any way: an import, or an error of ours, soon, and nothing left behind.
+"""Arbitrarily damaged files give an import or one of Nocturne's errors, soon, and nothing is left behind.
 
 The corpus has one file of each format that names most of what an importer knows. Words of it are changed,
 left out, copied and swapped; of binary files, bytes.
@@ -82,7 +82,7 @@ def try_import(name: str, contents: dict[str, bytes], *, allow_missing: bool) ->
 
 @pytest.mark.parametrize("name", ["scene.xml", "old.xml", "scene.pbrt", "old.pbrt", "scene.gltf"])
 def test_the_corpus_is_imported_whole(name: str, tmp_path: Path) -> None:
-    """What is changed would not be worth much if importers gave up at its first line."""
+    """Changes of these files would test little if importers stopped at their first line."""
     found = import_scene(CORPUS / name, tmp_path / "out", ImportOptions())
     assert found.missing == []
 

@@ -1,4 +1,5 @@
-"""Scenes in ZIP archives: imported as from a folder, and nothing is written beside it or without bounds."""
+"""Scenes in ZIP archives: imported as from a folder, and nothing is written outside of it or without
+bounds."""
 
 import io
 import json

@@ -85,7 +85,7 @@ def test_what_is_stretched_or_mirrored_is_one_mesh(tmp_path: Path) -> None:
     # Volume: triangles face outwards.
     assert np.einsum("ij,ij->", a, np.cross(b, c)) / 6 == pytest.approx(8 * (FEW + 1))
     a, b, c = (meshes[1].vertices[meshes[1].indices[:, corner]] for corner in range(3))
-    # What is mirrored in its own plane still faces z.
+    # A triangle that is mirrored in its own plane still faces z.
     assert (np.cross(b - a, c - a)[:, 2] > 0).all()
 
 
@@ -99,7 +99,7 @@ def test_members_of_a_group_are_gathered_too(tmp_path: Path) -> None:
 
 
 def test_parts_of_shapes_can_be_referred_to(tmp_path: Path) -> None:
-    """Shapes lie in a file, but what has a name inside of them or is a shape with a name is found."""
+    """Shapes lie in a file, but named shapes and named parts of shapes are found."""
     body = (
         '<shape type="sphere" id="first"><bsdf type="conductor" id="metal"/></shape>'
         '<shape type="cube"><ref id="metal"/></shape><alias id="first" as="again"/>'

@@ -1,4 +1,4 @@
-"""The Sun's place and light by what is known of them."""
+"""The Sun's position and light against published values."""
 
 import math
 from datetime import datetime

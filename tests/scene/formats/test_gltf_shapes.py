@@ -1,4 +1,4 @@
-"""glTF's moving and coloured shapes, against the specification's formulas worked out here by other ways.
+"""glTF's moving and coloured shapes, against the specification's formulas, evaluated here by other methods.
 
 One file, though long: all its tests build their models with the same few functions.
 """
@@ -29,7 +29,7 @@ _TYPES = {"f": 5126, "H": 5123, "B": 5121}
 
 
 class Model:
-    """A file under way: arrays become accessors of one buffer."""
+    """A file under construction: arrays become accessors of one buffer."""
 
     def __init__(self) -> None:
         self.content = b""

@@ -347,7 +347,7 @@ def test_media_come_back_from_an_export(name: str, tmp_path: Path) -> None:
     # The export is 1000 times as large.
     at = np.array([420.0, 500.0, 680.0])
     grid = "density" in given
-    # A grid's density there has what is the coefficients' size here.
+    # A grid's density in Mitsuba includes the magnitude of Nocturne's coefficients.
     factors = [1000 * each["density"]["factor"] if grid else 1000 for each in (found, given)]
     for field in ("absorption", "scattering"):
         assert factors[0] * values(found.get(field, 0), at) == pytest.approx(

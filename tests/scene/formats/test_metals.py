@@ -7,7 +7,7 @@ from nocturne_scene.spectra import published
 
 
 def seen(n: object, k: object) -> np.ndarray:
-    """Linear sRGB of what is reflected at normal incidence under D65."""
+    """Linear sRGB of the reflection at normal incidence under D65."""
     visible = published.visible_wavelengths()
     observer = published.observer("CIE 1931 2 degree")
     daylight = np.interp(visible, *published.illuminant("D65"))

@@ -277,7 +277,7 @@ def test_an_area_emitter_without_a_shape_is_told_what_it_lacks(tmp_path: Path) -
 
 
 def test_folders_of_included_files_may_be_those_of_the_scene(tmp_path: Path) -> None:
-    """<path> is looked for beside its own file first, and then beside those that include it."""
+    """<path> is looked for in its own file's folder first, and then in those of files that include it."""
     (tmp_path / "in" / "parts").mkdir(parents=True)
     (tmp_path / "in" / "meshes").mkdir()
     (tmp_path / "in" / "meshes" / "t.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")

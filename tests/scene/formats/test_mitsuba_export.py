@@ -1,4 +1,4 @@
-"""Documents as scenes of Mitsuba's: what is written, and what is refused by name.
+"""Documents as scenes of Mitsuba's: the written features, and those that are refused by name.
 
 That they look the same is tested with Mitsuba itself: tests/mitsuba/test_exports.py.
 """

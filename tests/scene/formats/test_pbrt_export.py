@@ -1,7 +1,7 @@
-"""Documents as scenes of pbrt's: what is written, what is refused by name, and that it comes back.
+"""Documents as scenes of pbrt's: the written features, those that are refused by name, and the reimport.
 
-pbrt itself is not asked. What is written is read by our importer, whose own tests are about pbrt's documented
-conventions; those that both could have wrong in the same way are tested here by numbers.
+pbrt itself does not run. The exported file is read by Nocturne's importer, whose own tests are about pbrt's
+documented conventions; conventions that both could have equally wrong are tested here by numbers.
 """
 
 import json

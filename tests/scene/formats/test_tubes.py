@@ -1,4 +1,4 @@
-"""Curves as meshes, against what is known of them: areas, distances and normals."""
+"""Curves as meshes, against their known areas, distances and normals."""
 
 import json
 from pathlib import Path

@@ -76,7 +76,7 @@ def test_promising_ones_meet_the_target_and_save_time() -> None:
     assert promising([same, quiet, faster_but_wrong, fast], FULL, 0.02) == [fast, quiet]
     assert worth_more(fast, quiet, 0.02)
     assert saving(FULL, fast, 0.02) == pytest.approx(10, rel=0.01)
-    # What may be a moment's luck on a busy machine is nothing to choose by.
+    # A gain that may be chance on a busy machine decides nothing.
     assert promising([_model("lucky", (0, 0, 0), seconds=0.8e-6, unsure=1.3)], FULL, 0.02) == []
     assert not worth_more(same, FULL, 0.02)
 

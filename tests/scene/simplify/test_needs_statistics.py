@@ -66,8 +66,8 @@ def _binomial(parts: ArrayLike, trials: int, probability: float) -> Any:
 @pytest.mark.parametrize("common", [0.0, 0.9])
 @pytest.mark.parametrize("change", [_nothing, _everywhere, _spot, _shifted])
 def test_intervals_hold_the_truth(change: Callable[[Values], Values], common: float) -> None:
-    """That of the mean as often as it says; that of the local bias at least so often, at its upper end above
-    all: it decides what may be left out."""
+    """The interval of the mean holds as often as it says. That of the local bias holds at least so often,
+    above all at its upper end, which decides the parts that may be left out."""
     random = np.random.default_rng(11)
     full = _truth()
     simple = full + change(full)
@@ -112,8 +112,9 @@ def test_a_few_pixels_that_carry_the_noise_are_counted() -> None:
 def test_noise_is_no_bias() -> None:
     """The squared local bias is right in the mean, though a render's noise is as large as the bias.
 
-    With 5 standard errors: wrong by chance once in two million. What it is relative to has noise too, of six
-    renders: by Taylor's series that makes the mean larger by a part of 3 * 0.1^2 / 6 = 0.5 %, at most.
+    With 5 standard errors: wrong by chance once in two million. The mean that it is relative to has noise
+    too, of six renders: by Taylor's series that makes the result larger by a part of 3 * 0.1^2 / 6 = 0.5 %,
+    at most.
     """
     random = np.random.default_rng(13)
     full = _truth()

@@ -139,7 +139,7 @@ def test_textures_become_their_means(document: Document, texture: Any) -> None:
     )
     radiance = simpler["surfaces"][0]["luminaire"]["radiance"]
     assert radiance == {"blackbody": 3000, "luminance": pytest.approx(100 * luminances.mean())}
-    # Coloured texels times a spectrum have no equal among spectra.
+    # No spectrum expresses coloured texels times a spectrum.
     assert simpler["kernels"]["plain"] == document["kernels"]["plain"]
     assert "bump_map" in simpler["surfaces"][2]
     assert "bump_map" not in without(document, "without maps of normals and heights", find)["surfaces"][2]

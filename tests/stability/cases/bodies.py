@@ -145,7 +145,7 @@ def _dispersive_cube() -> Case:
 def _sun_through(pane: Document, name: str, by_film: bool) -> Case:
     """A white tile or a film under glass, in the sun; the sky is black.
 
-    The tile is so small that what it sends back to the glass does not return.
+    The tile is so small that light from it to the glass does not return.
     """
     r = fresnel(30.0, 1.5)
     tile = surface(quad([-0.01, -0.01, 0], [0.02, 0, 0], [0, 0.02, 0]), diffuse(1.0))

@@ -1,4 +1,4 @@
-"""What must be refused."""
+"""Scenes that must be refused."""
 
 from collections.abc import Callable
 from math import inf, nan

@@ -95,7 +95,7 @@ def _spike() -> Case:
 
 
 def _overlap() -> Case:
-    """Two boxes, each thicker than the other half of the way."""
+    """Two boxes, each thicker than the other along one half of the path."""
     media = {"a": _medium(0.0, extinction=1.0), "b": _medium(0.0, extinction=2.0)}
     surfaces: list[Document] = [
         {"shape": box([-5, -5, -1.0], [5, 5, 0.0]), "interior": {"media": ["a"]}},

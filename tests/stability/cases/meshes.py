@@ -44,7 +44,7 @@ def _doubled() -> Case:
 
 
 def _back_to_back() -> Case:
-    """Each wall has a second one in the same place that faces the other way."""
+    """Each wall has a second one in the same place that faces in the opposite direction."""
     document = furnace(0.5)
     for wall in list(document["surfaces"]):
         shape = wall["shape"]
@@ -61,7 +61,7 @@ def _back_to_back() -> Case:
 
 
 def _winding() -> Case:
-    """A wall of albedo 0.5 whose triangles are turned this way and that."""
+    """A wall of albedo 0.5 whose triangles have random orientations."""
     steps = 5
     at = np.linspace(-1.0, 1.0, steps)
     vertices = [[x, y, 0.0] for y in at.tolist() for x in at.tolist()]

@@ -11,7 +11,8 @@ _Y_OF_FLAT = 106.856895
 """Integral of the CIE 1931 y-bar over wavelength, nm: a flat spectrum's Y over 683."""
 
 _ABOVE_550 = 62.614882
-"""The same from 550 nm: the table at 1 nm, by the trapezoidal rule, exact for what is linear in between."""
+"""The same from 550 nm: the table at 1 nm, by the trapezoidal rule, exact for curves that are linear in
+between."""
 
 
 def _lamp_box(radiance: Any, albedo: Any = 0.0) -> Document:

@@ -37,7 +37,7 @@ def _rough_glass(alpha: float) -> Case:
 
 
 def _mirror_at(degrees: float, index: float) -> Case:
-    """A body that swallows what it lets in."""
+    """A body that absorbs all light that it transmits."""
     glass = {"type": "dielectric", "index": index, "absorption": 1e3}
     plate = surface(box([-50, -50, -50], [50, 50, 0]), glass)
     return Case(

@@ -265,7 +265,7 @@ TEST_F(AssetCacheTest, FileDamagedAfterItWasCheckedIsFetchedAgain) {
   EXPECT_EQ(service_.calls, 2);
 }
 
-// Who has it, mapped or open or by its name, sees what was checked.
+// Every holder of the file, mapped, open or by its name, sees the checked content.
 TEST_F(AssetCacheTest, FileChangedInPlaceIsAsItWasForWhoHasIt) {
   const std::string sha = service_.put(many_bytes());
   AssetCache cache(options());

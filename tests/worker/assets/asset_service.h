@@ -1,4 +1,4 @@
-// An asset service in this process, on a Unix socket, that can be told to misbehave.
+// An asset service in this process, on a Unix socket, with faults on demand.
 #pragma once
 
 #include <atomic>
@@ -31,7 +31,7 @@ class AssetService final : public v1::AssetService::Service {
   grpc::Status Fetch(grpc::ServerContext* context, const v1::FetchRequest* request,
                      grpc::ServerWriter<v1::Chunk>* writer) override;
 
-  /// What it announces minus what it sends, for every file.
+  /// Announced bytes minus sent bytes, for every file.
   std::atomic<std::int64_t> announced_too_many = 0;
   /// So many calls end with UNAVAILABLE in the middle of the file.
   std::atomic<int> interruptions = 0;

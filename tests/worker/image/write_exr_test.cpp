@@ -76,11 +76,11 @@ void expect_means(const std::vector<float>& values, std::size_t channel) {
   }
 }
 
-// What is added to a sum of squares to give the mean's variance so much more.
+// The increase of a sum of squares that increases the mean's variance by so much.
 double squares(double variance) { return variance * kSamples * (kSamples - 1); }
 
-// One more find of the block's, where its variances add up to `variance`: over its samples weighed
-// by their values, all of which are those of `expect_means`.
+// The variance of one more lit sample of the block, whose variances add up to `variance`: over its
+// samples weighted by their values, all of which are those of `expect_means`.
 double one_more(double variance, std::size_t channel) {
   double found = 0.0, squared = kSamples * (kSamples - 1) * variance;
   for (std::size_t pixel = 0; pixel < kPixels; ++pixel) {

@@ -56,7 +56,7 @@ TEST(Dielectric, MirrorsHalfWithTheMeanOrTheMeanSquareOfChance) {
       EXPECT_NEAR(weight(*in), 1.0f - mirrored, 1e-5f);
     }
   }
-  // What is reflected totally is not halved.
+  // Total reflection is not halved.
   const auto inside = bound<1>(0.0f, 1.5f, 1.0f);
   const auto total = inside.sample(direction(60.0), {0.9f, 0.0f, 0.0f, Halves::kYes}, 0);
   EXPECT_GT(total->wi.z, 0.0f);

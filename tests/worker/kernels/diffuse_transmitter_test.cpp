@@ -27,8 +27,8 @@ TEST(DiffuseTransmitter, EachSideFollowsLambertsLaw) {
   EXPECT_TRUE(kernel.transmits());
 }
 
-// What is drawn carries reflectance to one side and transmittance to the other, at every wavelength
-// though one probability serves all, and the cosine of what is drawn has a cosine's mean, 2/3.
+// Samples carry reflectance to one side and transmittance to the other, at every wavelength though
+// one probability serves all, and the cosine of drawn directions has a cosine's mean, 2/3.
 TEST(DiffuseTransmitter, DrawsCarryBothShares) {
   const DiffuseTransmitter sheet(Colour(line(0.0f, 0.5f)), Colour(line(1.0f, 0.3f)));
   const auto kernel = sheet.bind(shading());

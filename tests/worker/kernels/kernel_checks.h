@@ -71,7 +71,7 @@ Mean sampled_albedo(const Bound& kernel, Vec3 wo, std::uint32_t draws, std::uint
       draws, [&](std::uint32_t i) { return weight(kernel, wo, kernel_numbers(numbers(i, seed))); });
 }
 
-/// A kernel's value over the cosine is the same both ways: the largest relative difference, of
+/// Reciprocity of a kernel's value over the cosine: the largest relative difference, of
 /// values above 1e-3, over random pairs of directions of one hemisphere.
 template <class Bound>
 float largest_asymmetry(const Bound& kernel) {

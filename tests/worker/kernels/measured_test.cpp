@@ -22,7 +22,7 @@ TEST(Measured, ConstantTableIsLambertian) {
   }
 }
 
-// What the table holds at its nodes is what it answers there.
+// At its nodes the table returns the stored values.
 TEST(Measured, AnglesAreRusinkiewiczs) {
   MeasuredBlob blob;
   blob.n_phi_d = 180;

@@ -123,7 +123,7 @@ TEST(Principled, ExtrasConserveEnergy) {
   }
 }
 
-// Without a base and without fuzz the albedo at normal incidence is what was asked for.
+// Without a base and without fuzz the albedo at normal incidence is the given one.
 TEST(Principled, ReflectsWhatIsAskedForAlongTheNormal) {
   const Vec3 wo = test::direction(0.0);
   const auto of = [&](float amount, float normal) {

@@ -1,4 +1,4 @@
-// Which elements are told apart whatever is rounded.
+// Elements that are distinct under any rounding.
 #include "luminaires/apart.h"
 
 #include <gtest/gtest.h>

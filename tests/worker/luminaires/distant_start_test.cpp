@@ -90,8 +90,8 @@ TEST(DistantStart, DrawsPlacesByTheirDensity) {
   }
 }
 
-// What was drawn at the rim of a small ball far from the scene's middle is never taken for a draw
-// of the scene's disc alone, which would weigh ten thousand times as much.
+// A sample at the rim of a small ball far from the scene's middle is never taken for a draw of the
+// scene's disc alone, which would weigh ten thousand times as much.
 TEST(DistantStart, NoDrawFallsOffTheRimOfASmallBall) {
   const std::vector<Aim> one{{{4, -1, 2}, 1e-4f, 1.0f}};
   const DistantStart start(elements(one));

@@ -128,7 +128,7 @@ TEST(Elements, MeshPairsTriangles) {
   EXPECT_NEAR(e.bounds(0).weight, 5.0, 1e-5);
 }
 
-// A time in the middle is what stands there, at rest.
+// At every time, moving elements equal elements at rest in the same place.
 TEST(Elements, MovingIsRestAtEveryTime) {
   const std::vector<Corners> triangle{{Vec3{1, -1, 1}, Vec3{1.5f, 2, 0.5f}, Vec3{-1, 0.5f, 2}},
                                       {Vec3{1, 1, 1}, Vec3{2.5f, 2, 1.5f}, Vec3{-1, 2.5f, 2}},
@@ -182,7 +182,7 @@ TEST(Elements, RefusesNonsense) {
   EXPECT_EQ(e.size(), 0u);
 }
 
-// Positions on, in, beside and behind everything: never a NaN, and no density below the horizon.
+// Positions on, in, next to and behind everything: never a NaN, and no density below the horizon.
 TEST(Elements, OddPositions) {
   Elements e;
   add_rectangle(e, 1.0f, emission(1.0f, false));

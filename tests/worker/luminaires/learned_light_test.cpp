@@ -61,7 +61,7 @@ TEST(LearnedLight, SunsAreNarrow) {
   for (std::uint32_t i = 0; i < 4000; ++i) {
     const Uniform4 u = numbers(i);
     const float pdf = light.pdf(cell, light.sample(cell, u[0], u[1], u[2]));
-    // What was drawn can have been drawn, and not from a wide cone.
+    // Every drawn direction has a density, and that of a narrow cone.
     ASSERT_GT(pdf, 100.0f);
     mean += 1.0 / static_cast<double>(pdf) / 4000.0;
   }
@@ -70,8 +70,8 @@ TEST(LearnedLight, SunsAreNarrow) {
   EXPECT_LT(mean, 5e-4);
 }
 
-// Most places have one coordinate in common: those on a floor. Each finds a cell of its own
-// neighbourhood, with light from where it came.
+// Most places have one coordinate in common: those on a floor. Each finds a cell of its
+// neighbourhood, with light from the direction of its arrival.
 TEST(LearnedLight, PlacesOnAPlaneFindTheirNeighbours) {
   const auto all = arrivals(4000);
   const LearnedLight light(all);

@@ -1,4 +1,4 @@
-// All ways to point at light together.
+// All densities of directions towards light together.
 #include "luminaires/light_directions.h"
 
 #include <array>
@@ -175,8 +175,8 @@ TEST(LightDirections, IrradianceOfAllTogether) {
   }
 }
 
-// A point of a lamp lies beside it by rounding. What is drawn from there is what a ray that leaves
-// it meets, never the point itself.
+// A point of a lamp lies off its surface by rounding. A direction drawn from there leads to the hit
+// of a ray that leaves the point, never to the point itself.
 TEST(LightDirections, ALampIsNotSeenFromItsOwnPoints) {
   const Sphere cavity{0.1, -0.2, 0.3, 2.0};
   const TriangleMesh plate =

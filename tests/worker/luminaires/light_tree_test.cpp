@@ -12,7 +12,7 @@ namespace nocturne {
 namespace {
 
 // 10,000 small lamps of all orientations, a hundredfold apart in radiance, in a box of 20 m x 20 m
-// x 10 m. Each is taken as one point, so that what is left is the noise of choosing.
+// x 10 m. Each is taken as one point, so that only the noise of choosing remains.
 struct ManyLamps {
   static constexpr std::uint32_t kCount = 10'000;
   Elements elements;
@@ -42,8 +42,8 @@ struct ManyLamps {
   }
 };
 
-// Draws follow the chances that the tree claims, what is never drawn shines nothing, and the sum
-// over lamps is the one by brute force. Below all lamps, and in their midst.
+// Draws follow the probabilities that the tree claims, lamps that are never drawn bring no light,
+// and the sum over lamps is the one by brute force. Below all lamps, and in their midst.
 TEST(LightTree, TenThousandLamps) {
   const ManyLamps lamps;
   ASSERT_EQ(lamps.elements.size(), ManyLamps::kCount);

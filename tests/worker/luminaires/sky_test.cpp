@@ -138,7 +138,7 @@ TEST(Environment, BrightTexelAtThePole) {
   EXPECT_NEAR(by_chance.mean, by_map.mean, 4.5 * by_chance.stderr_of_mean());
 }
 
-// The same bright texel below the horizon is not drawn, and what is dim above it is.
+// The same bright texel below the horizon is not drawn, and dim texels above it are.
 TEST(Environment, WindowLeavesOutWhatIsBelow) {
   const Environment environment(make_map(
       512, 256, [](std::uint32_t r, std::uint32_t c) { return r == 200 && c == 100 ? 1e6 : 1.0; }));

@@ -42,7 +42,7 @@ TEST(WidenedLamps, BringTheLightOfADisc) {
   const WidenedLamps lamps(lights, {}, 1e5f);
   EXPECT_NEAR(light_at(lamps, {1, 2, 3}, kAll) / (1e6 * std::numbers::pi * kHalfAngle * kHalfAngle),
               1.0, 0.01);
-  // What is met is a bright find or none: its square is the radiance times the mean.
+  // A sample hits the bright source or nothing: its square is the radiance times the mean.
   const auto towards = lamps.met({1, 2, 3}, {0, 0.6f, 0.8f}, kAll);
   EXPECT_FLOAT_EQ(towards.square, 1e6f * towards.mean);
   EXPECT_EQ(light_at(lamps, {1, 2, 3}, [](HiddenFrom, Vec3, float) { return false; }), 0.0);
@@ -81,7 +81,7 @@ TEST(WidenedLamps, BringTheLightOfASphere) {
   const WidenedLamps lamps(lights, luminaires, 1e5f);
   const double truth = 1e6 * std::numbers::pi * 1e-6 / (0.25 + 2.56 + 0.09);
   EXPECT_NEAR(light_at(lamps, {0, 0, 0}, kAll) / truth, 1.0, 0.01);
-  // The way to it ends in front of it.
+  // The shadow ray to it ends in front of it.
   const double away = std::sqrt(0.25 + 2.56 + 0.09);
   const auto near = [&](HiddenFrom, Vec3 direction, float distance) {
     EXPECT_NEAR(direction.y, 1.6 / away, 1e-6);

@@ -136,8 +136,8 @@ TEST(AltitudeMajorants, AreCloseEnoughToPay) {
   EXPECT_LE(test::segments(table, {{0, 0, 0}, {0, 0, 1}}, 1e6f).size(), 40u);
 }
 
-// Along the fog, for ever: each bound is what is there, though rounding could in the end be
-// anything.
+// Along the fog without end: each bound is the density there, though rounding could become
+// arbitrarily large.
 TEST(AltitudeMajorants, StayLowOnLevelRays) {
   const auto fog = AltitudeDensity::exponential(kFlat, 10.0);
   for (const auto& s : test::segments(fog, {{0, 0, 5}, {1, 0, 0}}, kForever)) {

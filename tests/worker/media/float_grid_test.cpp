@@ -38,7 +38,7 @@ const Bytes& good() {
   return bytes;
 }
 
-// Why bytes are refused; empty if they are not. What is accepted is looked up all over.
+// Why bytes are refused; empty if they are not. An accepted grid is looked up everywhere.
 std::string refusal(const Bytes& bytes) {
   try {
     const auto grid = std::make_shared<const FloatGrid>(std::span(bytes));

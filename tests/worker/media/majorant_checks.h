@@ -61,7 +61,7 @@ void expect_bounds_hold(const Density& density, const Ray& ray, float end, std::
   }
 }
 
-/// Of what the bounds add up to, over what there is.
+/// Ratio of the integrated majorant to the integrated density.
 template <class Density>
 double waste(const Density& density, const Ray& ray, float end) {
   double bound = 0.0, there = 0.0, from = 0.0;

@@ -1,4 +1,4 @@
-// A real redis-server on a Unix socket in a folder of its own.
+// A real redis-server on a Unix socket in a separate folder.
 #pragma once
 
 #include <sys/types.h>

@@ -21,9 +21,9 @@ TEST(Philox, GivesThePublishedWords) {
             (Words{0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1}));
 }
 
-// The fast way keeps bits reversed and takes whole bytes of the index, four dimensions at once. The
-// same by the definitions, bit by bit: a point is the xor of the direction numbers of its index's
-// bits; an Owen scramble is a nested hash between two reversals.
+// The fast method keeps bits reversed and takes whole bytes of the index, four dimensions at once.
+// It must equal the definitions, bit by bit: a point is the xor of the direction numbers of its
+// index's bits; an Owen scramble is a nested hash between two reversals.
 TEST(Sobol, PointsAreThoseOfTheDefinition) {
   const auto directions = sobol_direction_numbers();
   const auto scramble = [](std::uint32_t x, std::uint32_t seed) {
@@ -139,8 +139,8 @@ TEST(Sobol, JointSetsIntegrateAFunctionOfBothBetterThanOthers) {
   EXPECT_LT(error({{0, 1, 2}, 3}), 0.3 * error({}));
 }
 
-// A pixel that has a dimension of another, as those of a block have its wavelengths, is still
-// spread evenly: a function of that and of its own numbers gains.
+// A pixel that uses another's dimension, as pixels of a block use its wavelengths, is still
+// stratified: a function of that dimension and of the pixel's own numbers has less error.
 TEST(Sobol, PixelsThatAreShuffledAlikeCanHaveEachOthersNumbers) {
   const auto error = [](const JointSets& joint) {
     double squares = 0.0;

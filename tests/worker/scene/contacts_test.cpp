@@ -113,7 +113,7 @@ TEST(Contacts, ASheetHidesTheBodyOnIt) {
   }
 }
 
-// The surfaces of a straight way.
+// The surfaces along a straight path.
 std::vector<std::uint32_t> surfaces_on(const Scene& scene, DepartingRay from, std::size_t count) {
   std::vector<std::uint32_t> met;
   while (met.size() < count) {

@@ -38,7 +38,7 @@ struct Damage {
   std::function<void(v1::CompiledScene&)> apply;
 };
 
-// What is near a camera does not depend on how far the ground reaches.
+// The range of distances near a camera does not depend on the size of the ground.
 TEST(LoadScene, WhatIsNearACameraIsMeasuredByWhatItSees) {
   for (const float half : {3.0f, 3000.0f}) {
     test::SceneBuilder builder = test::floor_and_lamp(true);

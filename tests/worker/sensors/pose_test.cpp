@@ -48,7 +48,7 @@ TEST(Motion, PosesAreMetAtTheirTimes) {
 TEST(Motion, TurningFramesStayOrthonormal) {
   const Motion motion({turned(0), turned(1.5f), test::oblique_pose()});
   for (int i = 0; i <= 100; ++i) expect_orthonormal(motion.at(0.01f * static_cast<float>(i)));
-  // Half way between two frames, by symmetry, is half the angle.
+  // In the middle between two frames, by symmetry, the angle is half.
   EXPECT_NEAR(length(motion.at(0.25f).forward - turned(0.75f).forward), 0.0f, 1e-6f);
 }
 

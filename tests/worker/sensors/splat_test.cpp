@@ -1,4 +1,5 @@
-// Forward photons are counted where adjoint photons start: a lamp on paper measured both ways.
+// Forward photons are counted where adjoint photons start: a lamp on paper measured in both
+// directions.
 #include <gtest/gtest.h>
 
 #include <functional>

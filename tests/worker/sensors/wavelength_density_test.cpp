@@ -21,8 +21,8 @@ DensityTable falls() {
   return table;
 }
 
-// What is drawn has the density that was asked for, but for what parabolas round: that adds less
-// than a hundredth to the variance of an even spectrum.
+// Samples have the given density, except for the rounding by parabolas, which adds less than a
+// hundredth to the variance of an even spectrum.
 TEST(WavelengthDensity, WeightsAreNearlyEven) {
   const auto mean_square = [](const DensityTable& table) {
     const WavelengthDensity density(table.knots_nm, table.values);
@@ -58,15 +58,15 @@ TEST(WavelengthDensity, WeightsAreNearlyEven) {
                    {0.002f, 0.002f, 30.0f, 0.002f, 0.002f, 15.0f, 0.002f, 0.002f}}),
       1.01);
   EXPECT_LT(mean_square(falls()), 1.01);
-  // A gap that is not quite dark before a line: what is there must not take part of the line's.
+  // A gap that is not quite dark before a line: its samples must not come from the line's part.
   EXPECT_LT(mean_square({{400.0f, 450.0f, 499.99f, 500.0f, 500.01f, 550.0f},
                          {1e-7f, 1e-7f, 1e-7f, 100.0f, 1e-7f, 1e-7f}}),
             1.01);
 }
 
-// What has no other noise converges by how smoothly the density goes on: a thousand regular draws
-// find an integral to a hundred-thousandth. Densities that are even in each slice miss it by thirty
-// times as much.
+// Without other noise, convergence depends on the smoothness of the density: a thousand regular
+// draws find an integral to a hundred-thousandth. Densities that are even in each slice miss it by
+// thirty times as much.
 TEST(WavelengthDensity, IsSmoothWhereCurvesAre) {
   const DensityTable curve = falls();
   const auto value = [&values = curve.values](double nm) {

@@ -159,7 +159,7 @@ std::vector<Line> narrow_lines(float width = 0.01f) {
           {546.074f + 0.3f * width, 1.0f, width}};
 }
 
-// What is drawn is a float: the chance of one is the density there times the distance to the next.
+// Samples are floats: the probability of one is the density there times the distance to the next.
 // So the counts of cells as narrow as a twentieth of a line are known exactly.
 TEST(WavelengthDensity, SamplesMatchPdfInsideNarrowLines) {
   const auto lines = narrow_lines();

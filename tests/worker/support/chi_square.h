@@ -26,8 +26,8 @@ inline double chi_square_deviate(double statistic, double degrees) {
   return (std::cbrt(statistic / degrees) - (1.0 - a)) / std::sqrt(a);
 }
 
-/// Observed and expected counts. Neighbours are taken together until 10 are expected, and what is
-/// left at the end joins the last. One false alarm in 30,000 (4 sigma).
+/// Observed and expected counts. Neighbours are taken together until 10 are expected, and the
+/// remainder at the end joins the last. One false alarm in 30,000 (4 sigma).
 inline void expect_same_counts(const std::vector<double>& observed,
                                const std::vector<double>& expected) {
   struct Cell {

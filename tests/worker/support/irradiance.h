@@ -61,7 +61,7 @@ Estimate irradiance(const Directions& directions, const LightSamplingContext& fr
   });
 }
 
-/// Two-sided at 4.5 sigma (one false alarm in 150,000); what is drawn without any noise must meet
+/// Two-sided at 4.5 sigma (one false alarm in 150,000); an estimate without any noise must meet
 /// the answer to float's rounding.
 inline void expect_mean(const Estimate& e, double answer, double rounding = 1e-5) {
   EXPECT_NEAR(e.mean, answer, 4.5 * e.stderr_of_mean() + rounding * answer)

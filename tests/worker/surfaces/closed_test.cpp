@@ -9,7 +9,7 @@
 namespace nocturne {
 namespace {
 
-// Each triangle with corners of its own, as meshes with normals by face have them.
+// Each triangle with its own corners, as meshes with normals by face have them.
 TriangleMesh apart(const TriangleMesh& mesh) {
   TriangleMesh all;
   for (const auto& triangle : mesh.triangles) {

@@ -41,7 +41,7 @@ Geometry geometry_of(const Case& c) {
   return geometry;
 }
 
-// Up to three quarters of the way to the horizon of the plate.
+// Up to three quarters of the angle to the horizon of the plate.
 Vec3 a_direction(std::uint32_t i, Vec3 normal, bool outwards) {
   for (std::uint32_t j = 0;; ++j) {
     const Vec3 w = any_direction(i, j + 10);
@@ -74,7 +74,7 @@ void expect_order(const Case& c) {
     if (count == 0) continue;
     ++seen;
     const Hit top = near[0].hit;
-    // Of what is thick also through the open rim.
+    // A ray may also enter a thick body through its open rim.
     const bool thin = c.thickness < 1e-3f * c.half;
     wrong_first += thin && !near[0].at.entering() ? 1 : 0;
     const auto next = [&](const Hit& hit, bool outwards) {

@@ -36,7 +36,7 @@ TEST(Instances, BuildingEndsWhenAStopIsRequested) {
 }
 
 // Surface, position, normal on the outer side and distance, for rays at known points of an
-// instance. What is expected is computed forwards, from group to scene, in double precision.
+// instance. Expected values are computed forwards, from group to scene, in double precision.
 TEST(Instances, MeshesAreWhereTheMatrixSays) {
   const TriangleMesh mesh = test::lumpy_ball(16);
   for (const auto& [name, t] : transforms()) {

@@ -1,4 +1,4 @@
-// Rays in packets meet what they meet alone, bit for bit, whatever rays they are with.
+// Rays in packets have the same hits as alone, bit for bit, whatever rays they are with.
 #include <gtest/gtest.h>
 
 #include <algorithm>

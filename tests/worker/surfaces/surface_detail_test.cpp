@@ -128,7 +128,7 @@ TEST(SurfaceDetail, InstancesCarryTangentsAndNormals) {
       const double u = hit->u, v = hit->v;
       const Double3 normal = (1 - u - v) * Double3(mesh.normals[c[0]]) +
                              u * Double3(mesh.normals[c[1]]) + v * Double3(mesh.normals[c[2]]);
-      // Perpendicular to what was perpendicular in the group.
+      // Directions that were perpendicular in the group stay perpendicular.
       const Double3 side = cross(normal, Double3{0.3, 0.5, -0.7});
       const Double3 carried = placement.linear * side;
       EXPECT_NEAR(dot(Double3(d.shading_normal), carried) / length(carried), 0.0, 1e-6);

@@ -80,7 +80,7 @@ std::vector<Met> all_met(const std::vector<Shape>& shapes, const Ray& ray) {
   return met;
 }
 
-// What is nearest for certain, however numbers are rounded; empty where that can't be told.
+// The hit that is nearest under any rounding; empty if several could be.
 std::optional<std::optional<Met>> nearest(const std::vector<Met>& met, double tolerance) {
   std::optional<Met> first;
   for (const Met& m : met) {
@@ -214,7 +214,7 @@ TEST(Tree, OfCoincidingSurfacesTheFirstIsMet) {
   EXPECT_GT(met, 1000u);
 }
 
-// Boxes as bytes lie around what they hold, also where that is flat or far from the origin.
+// Boxes as bytes enclose their triangles, also flat ones and those far from the origin.
 TEST(Tree, BoxesHoldTheirTriangles) {
   const Device device;
   for (const float offset : {0.0f, 1000.0f}) {

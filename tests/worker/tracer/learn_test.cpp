@@ -1,5 +1,5 @@
-// What is learned of where to aim photons from luminaires, and of the light that mirrors and glass
-// gather. That images stay the same is for tests/accuracy, whatever they are aimed at or guided by.
+// Learned targets for photons from luminaires, and learned light that mirrors and glass focus. That
+// images stay the same with any targets and guides is tested in tests/accuracy.
 #include "tracer/learn.h"
 
 #include <gtest/gtest.h>

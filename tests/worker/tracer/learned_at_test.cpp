@@ -1,4 +1,4 @@
-// What is shown of learned light: the place that a pixel shows, directly and by glass.
+// Learned light for display: the place that a pixel shows, directly and by glass.
 #include "tracer/learned_at.h"
 
 #include <gtest/gtest.h>

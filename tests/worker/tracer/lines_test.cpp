@@ -66,7 +66,7 @@ Image trace(test::SceneBuilder& builder, std::uint32_t group, std::uint32_t samp
   return {mean, std::sqrt((squares / n - mean * mean) / (n - 1.0))};
 }
 
-// In a furnace of albedo 1/2 radiance is twice what is emitted: lines of power 4 and a continuum of
+// In a furnace of albedo 1/2 radiance is twice the emission: lines of power 4 and a continuum of
 // 0.03 over 100 nm give 2 (4 + 3).
 test::SceneBuilder furnace(float width, float continuum) {
   test::SceneBuilder builder;

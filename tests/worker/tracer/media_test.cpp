@@ -164,7 +164,7 @@ INSTANTIATE_TEST_SUITE_P(All, Media,
                                          Variant{"TwoPhotonsOfFour", v1::ESTIMATOR_TWO_PHOTONS, 4}),
                          [](const auto& variant) { return variant.param.name; });
 
-// Light that is scattered once, found by chance and by marching: a lamp beside a ball of medium
+// Light that is scattered once, found by chance and by marching: a lamp next to a ball of medium
 // that is denser below. 150 steps leave an error of less than a thousandth, and both means are
 // known to a standard error each (4.5 of both: one false alarm in 150,000).
 TEST(RayMarching, AgreesOnSingleScattering) {

@@ -1,5 +1,5 @@
-// What a pilot goes by, and which method it chooses. That images are the same by all methods is for
-// tests/accuracy. Long, as it has both beside each other.
+// A pilot's criteria, and its choice of method. That images are the same by all methods is tested
+// in tests/accuracy. Long, as it has both criteria and choices.
 #include "tracer/pilot.h"
 
 #include <gtest/gtest.h>
@@ -56,7 +56,7 @@ TEST(PilotFigures, TellMeansApartByHowTheyDiffer) {
 TEST(PilotOfRareLight, IsBroughtWhereOthersMissIt) {
   EXPECT_TRUE(must_be_brought({{2.0, 0.1}, {0.0, 0.0}}, 365.0));
   EXPECT_TRUE(must_be_brought({{2.0, 0.8}, {0.0, 0.0}}, 365.0));
-  // However uncertain: what was found is there.
+  // However uncertain: light that was found exists.
   EXPECT_TRUE(must_be_brought({{2.0, 1.9}, {0.0, 0.0}}, 365.0));
   EXPECT_TRUE(must_be_brought({{2.0, 0.1}, {1.4, 0.2}}, 365.0));
   EXPECT_FALSE(must_be_brought({{2.0, 0.1}, {1.6, 0.2}}, 365.0));
@@ -256,8 +256,8 @@ TEST(Pilot, StartsPhotonsAtTheLampForACaustic) {
   }
 }
 
-// Photons that are not guided only ask whether the way to the lamp is free, of directions that what
-// was learned has no part in; guided ones that asked so looked a fifth too bright.
+// Photons that are not guided only trace shadow rays to the lamp, in directions that learned light
+// has no part in; guided ones that did so looked a fifth too bright.
 TEST(Pilot, ComparesGuidedPhotonsThatFindTheSameLight) {
   test::SceneBuilder builder = test::floor_and_lamp(false);
   builder.message.mutable_tracing()->set_direction(v1::DIRECTION_BOTH);

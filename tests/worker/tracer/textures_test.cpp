@@ -1,4 +1,4 @@
-// Textures all the way from the compiled scene to the image: a square seen by an orthographic
+// Textures from the compiled scene to the image: a square seen by an orthographic
 // sensor, with answers on paper.
 #include <gtest/gtest.h>
 

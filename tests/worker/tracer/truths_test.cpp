@@ -73,8 +73,8 @@ TEST_P(Truths, SphereOverPlane) {
   test::SceneBuilder builder;
   builder.add_sphere(0.0f, 10.0f, {0, 3, 0}, 1.0);
   builder.add_quad(0.5f, 0.0f, {-50, 0, -50}, {0, 0, 100}, {100, 0, 0});
-  // Look down at the point below from beside the lamp, through so small a field that the irradiance
-  // is the same.
+  // Look down at the point below from next to the lamp, through so small a field that the
+  // irradiance is the same.
   builder.look({4, 4, 0}, {0, 0, 0}, 1e-3);
   expect_all_pixels(trace(builder, 1024), 1024, kResponseIntegral * 0.5 * 10.0 / 9.0);
 }
@@ -99,9 +99,9 @@ double corner_form_factor(double x, double y) {
   return (x / rx * std::atan(y / rx) + y / ry * std::atan(x / ry)) / (2.0 * std::numbers::pi);
 }
 
-// The same square beside a perfect mirror (n = 0), which shows another one, 2 to 4 away. Its light
-// reaches the floor by photons from the kernel alone where those that are sent towards lamps ask
-// only for a free way: a lamp behind the mirror, which is sent to as well, takes nothing from them.
+// The same square next to a perfect mirror (n = 0), which shows another one, 2 to 4 away. If
+// photons towards lamps are only shadow rays, its light reaches the floor by photons from the
+// kernel alone: a lamp behind the mirror, which is aimed at as well, takes nothing from them.
 TEST_P(Truths, SquareBesideMirror) {
   if (GetParam().kernel == 0.0) GTEST_SKIP() << "mirrors are drawn from the kernel";
   test::SceneBuilder builder;

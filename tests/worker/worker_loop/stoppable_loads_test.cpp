@@ -13,7 +13,7 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
 constexpr double kAnyTime = 1e9;
-// What is promised of threads whose job is not wanted any more.
+// The promised time until a thread is free whose job is no longer needed.
 constexpr auto kFree = 2s;
 
 TEST(StoppableLoads, ThreadsShareOneLoad) {
@@ -51,7 +51,7 @@ TEST(StoppableLoads, AFailedLoadIsTriedAgain) {
   EXPECT_EQ(values.get("a", {}), 7);
 }
 
-// Loads until it is told to stop, and says so.
+// Loads until a stop is requested, and counts its calls.
 struct Endless {
   std::atomic<int> begun = 0, ended = 0;
   bool busy = false;
@@ -88,7 +88,7 @@ TEST(StoppableLoads, WhoIsStoppedLeavesAndOthersWaitOn) {
   EXPECT_THROW(b.get(), LoadStopped);
   // Nobody waits any more.
   Endless::wait_for(endless.ended, 1);
-  // Who comes then begins anew.
+  // The next caller starts a new load.
   std::stop_source third;
   auto c = leave(third);
   Endless::wait_for(endless.begun, 2);

@@ -308,7 +308,7 @@ TEST_F(WorkerTest, StopWaitsForTheJobAtHand) {
   EXPECT_EQ(server_.results().size(), 1U);
 }
 
-// Traces until it is told to stop, and takes processor time for it.
+// Traces until a stop is requested, and takes processor time for it.
 v1::Partial trace_for_ever(const v1::Job&, RunningJob& running) {
   running.begin_tracing();
   while (!running.stop_token().stop_requested()) {
