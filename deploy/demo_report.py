@@ -1,4 +1,4 @@
-"""The last lines of `make demo`: what was rendered, where it is, what its error means, how to get less of it.
+"""The last lines of `make demo`: the image, its place, the meaning of its error, and how to reduce it.
 
 python3 deploy/demo_report.py RENDER.json URL, with the render as `nocturne get --json` writes it.
 """
@@ -15,7 +15,7 @@ _MORE = 16
 
 
 def report(render: dict[str, Any], image: Path, url: str) -> str:
-    """Lines for people who see this for the first time; the picture lies beside `image`."""
+    """Lines for first-time users; the picture lies next to `image`."""
     progress, film = render["progress"], f"{render['width']} x {render['height']} pixels"
     samples = render["samples"]
     minutes = (_MORE - 1) * progress["cpu_seconds"] / (60.0 * len(os.sched_getaffinity(0)))
@@ -29,8 +29,8 @@ Rendered: the Cornell box, {film} with {samples} samples each, from its measured
 
 {_error(progress, render["unit"])}
 
-A better one: {_MORE} times as many samples have a quarter of the error. What is there is kept, the rest takes
-{_duration(minutes)} on this machine; watch it on the page:
+A better one: {_MORE} times as many samples have a quarter of the error. The present samples are kept, the
+rest takes {_duration(minutes)} on this machine; watch it on the page:
 
   {_where(url)}.venv/bin/nocturne extend {render["id"]} --samples {_MORE * samples}
 
@@ -38,7 +38,7 @@ The service goes on; end it with: make stop"""
 
 
 def _error(progress: dict[str, Any], unit: str) -> str:
-    """What is known, in plain words."""
+    """The error, in plain words."""
     error, mean, interval = progress["relative_error"], progress["mean"], 1.96 * progress["mean_error"]
     if not error:
         return "How far the image is off is not known yet."
@@ -50,7 +50,7 @@ def _error(progress: dict[str, Any], unit: str) -> str:
     if progress["doubt"]:
         lines += [
             "Both are estimates from the same samples, and may be too small:",
-            f"{progress['doubt']} That is usual for a first look; more samples mend it.",
+            f"{progress['doubt']} That is usual for a first look; more samples help.",
         ]
     return "\n".join(lines)
 
@@ -60,7 +60,7 @@ def _duration(minutes: float) -> str:
 
 
 def _where(url: str) -> str:
-    """What the command line has to be told, if the service is not where it looks by itself."""
+    """The setting for the command line, if the service is not at the default address."""
     return "" if url == "http://127.0.0.1:7070" else f"NOCTURNE_URL={url} "
 
 

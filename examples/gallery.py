@@ -1,4 +1,4 @@
-"""The gallery: renders the examples, keeps a picture of each beside it, and writes docs/gallery.md.
+"""The gallery: renders the examples, keeps a picture of each next to it, and writes docs/gallery.md.
 
 python -m examples.gallery                          # pictures whose film or samples in the table are new
 python -m examples.gallery FOLDER ...               # those of some folders, anyway
@@ -85,9 +85,9 @@ def pictures() -> list[Picture]:
 
 
 def main() -> None:
-    """Render what is asked for; then write the page."""
+    """Render the named examples; then write the page."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
-    parser.add_argument("folders", nargs="*", help="folders of examples; default: what is not up to date")
+    parser.add_argument("folders", nargs="*", help="folders of examples; default: outdated ones")
     parser.add_argument("--samples", type=int, help="instead of those of the table")
     parser.add_argument("--into", type=Path, help="where pictures go instead of the examples' folders")
     parser.add_argument("--page", action="store_true", help="only write the page")
@@ -132,7 +132,7 @@ def make_files(folder: Path) -> None:
 
 
 def _document(picture: Picture, folder: Path) -> Path:
-    """The scene document to render: the example's, or one beside it with another way to trace or to look."""
+    """The scene document to render: the example's, or one next to it with another method or view."""
     if picture.document.suffix != ".json":
         _nocturne("import", picture.document, "-o", folder / "scene")
         return folder / "scene" / "scene.json"

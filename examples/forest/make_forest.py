@@ -66,7 +66,7 @@ KERNELS: Document = {
 
 
 def main(folder: Path) -> None:
-    """Write scene.json and what it needs into `folder`."""
+    """Write scene.json and its files into `folder`."""
     made = write_meshes(folder)
     places = tree_places()
     (folder / "scene.json").write_text(json.dumps(scene(places), indent=1) + "\n")
@@ -227,7 +227,7 @@ def _turn(azimuth: float, pitch: float) -> Document:
 
 
 def tree_places(count: int = TREES) -> list[Document]:
-    """Trees in random places, but not near the hut, the camera, and what it sees of the hut."""
+    """Trees in random places, but not near the hut or the camera, nor between them."""
     random = np.random.default_rng(2)
     places: list[Document] = []
     while len(places) < count:

@@ -100,7 +100,7 @@ def _confinement(velocity: Field) -> Field:
 
 
 def _without_divergence(velocity: Field) -> Field:
-    """Each wave keeps what is across its direction."""
+    """Each wave keeps the component across its direction."""
     waves = np.stack(np.meshgrid(*(np.fft.fftfreq(n) for n in CELLS), indexing="ij"))
     square = (waves**2).sum(axis=0)
     square[0, 0, 0] = 1.0

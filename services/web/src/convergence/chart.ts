@@ -68,7 +68,7 @@ export class ConvergenceChart {
     const data: uPlot.AlignedData = [x, ...lines.map((line) => line.values)];
     if (this.#plot) this.#plot.setData(data);
     else if (x.length > 0) this.#plot = new uPlot(options(this.#drawing, this.#abscissa, this.#width()), data, this.#container);
-    // uPlot empties the legend when it commits, in a microtask of its own.
+    // uPlot empties the legend when it commits, in a separate microtask.
     queueMicrotask(() => {
       this.#showNow();
     });

@@ -112,7 +112,7 @@ export class MeasurePanel {
       onChoose: (index) => {
         this.#chosen = index;
         this.#showFound(found);
-        // Redrawing a table loses the focus of what was pressed in it.
+        // Redrawing a table loses the focus of the pressed button in it.
         this.#table.querySelector<HTMLInputElement>("input:checked")?.focus();
       },
       onRemove: this.#kept.length > 0 ? (index) => void this.#keep(this.#kept.filter((_, other) => other !== index)) : undefined,

@@ -63,7 +63,7 @@ export class EventStream {
   async #again(broken: EventSource): Promise<void> {
     this.#listeners.onBreak();
     const unknown = await getSession().then(() => false, (error: unknown) => error instanceof ServiceError && error.status === 401);
-    // Connected anew in the meantime, as after signing in: the answer is about the past.
+    // Reconnected in the meantime, as after signing in: the answer is outdated.
     if (this.#source !== broken) return;
     if (unknown) {
       this.#listeners.onUnknown();

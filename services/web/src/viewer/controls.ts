@@ -111,7 +111,7 @@ function exposureSlider(viewer: Viewer): { node: HTMLElement; refresh: () => voi
 
 function zoomButtons(viewer: Viewer): HTMLElement[] {
   const button = (text: string, label: string, action: () => void): HTMLElement => {
-    // Signs have no name of their own; words have, and must keep it.
+    // Buttons with signs need a name; words are their own name, and must keep it.
     const node = element("button", { type: "button", title: label, "aria-label": /\w/.test(text) ? undefined : label }, text);
     node.addEventListener("click", action);
     return node;

@@ -6,8 +6,8 @@ type Vector = readonly number[];
 const points = 24;
 
 /**
- * The rim of a cone. The middle of the disc is the surface's normal, its edge what grazes the surface, and its top what
- * is behind it for a ray that comes along `direction`. What comes from below is put on the edge.
+ * The rim of a cone. The middle of the disc is the surface's normal, its edge is grazing incidence, and its top is
+ * the direction away from the origin of a ray along `direction`. Directions from below are put on the edge.
  */
 export function outlineOf({ axis, half_angle_degrees: degrees }: { axis: Vector; half_angle_degrees: number }, normal: Vector, direction: Vector): [number, number][] {
   const [right, up] = frameOf(normal, direction);

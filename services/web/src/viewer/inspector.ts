@@ -91,7 +91,7 @@ function column(title: string, hint: string, measured: () => Measured, ask: Ask)
       if (isNew) told = undefined;
       shown = reading;
       write();
-      // Tiles that come one after the other do not put off what was asked for.
+      // Tiles that come one after the other do not delay a pending request.
       if (isNew) window.clearTimeout(timer);
       if (isNew || timer === 0) {
         timer = window.setTimeout(() => {

@@ -18,7 +18,7 @@ import { rangeForm } from "./range_form.ts";
 import { unmetParts } from "./unmet_parts.ts";
 import { Viewer } from "./viewer.ts";
 
-const keys = "Arrow keys move from pixel to pixel, with Shift they pan. Plus and minus zoom, 1 shows pixel for pixel, 0 the whole image. With Region, Line or Polygon pressed, Enter sets a corner at the pixel looked at; Escape forgets what is drawn.";
+const keys = "Arrow keys move from pixel to pixel, with Shift they pan. Plus and minus zoom, 1 shows pixel for pixel, 0 the whole image. With Region, Line or Polygon pressed, Enter sets a corner at the selected pixel; Escape discards the drawing.";
 
 export interface RenderImage {
   node: HTMLElement;

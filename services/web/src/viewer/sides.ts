@@ -31,7 +31,7 @@ export function sides(viewer: Viewer | undefined): { node: HTMLElement; show: ()
       if (!node.hidden) return;
       node.hidden = false;
       slider.valueAsNumber = viewer?.look.wipe ?? 0.5;
-      // As the address says; what it leaves open is the wipe.
+      // As in the address; the default is the wipe.
       choose(viewer?.look.side === "second" ? "second" : "wipe");
     },
   };

@@ -4,7 +4,7 @@ import { derivedAddress, makePicture, previewAddress } from "../service/client.t
 import { hasImage, type Render } from "../service/types.ts";
 
 const pictures = [
-  { name: "preview.png", title: "True image", text: "What was measured, with its noise." },
+  { name: "preview.png", title: "True image", text: "The measured image, with its noise." },
   { name: "denoised.png", title: "Denoised, to look at", text: "Made by Open Image Denoise. No error, stop condition, comparison or reading uses it." },
   { name: "difference.png", title: "Where they differ", text: "Dark: within the true image's error bar. Blue: beyond it, yellow: beyond two, red: beyond three. There something was lost or invented." },
 ] as const;
@@ -22,7 +22,7 @@ export function denoisedSection(id: string): { node: HTMLElement; show: (render:
     setText(problem, "");
     setText(button, "Denoising…");
     try {
-      // The first answer takes the time, and says what is wrong.
+      // The first answer takes the time, and has the error message.
       await makePicture(id, "denoised.png");
       figures.replaceChildren(...pictures.map((picture) => figure(id, picture, sequence)));
       file.hidden = false;

@@ -6,7 +6,7 @@ import { elapsedSeconds } from "../service/clock.ts";
 import { hasEnded, type Render } from "../service/types.ts";
 
 const errorMeaning =
-  "How far a pixel typically is from its true value, from the scatter of its own samples: the root mean square, over pixels, of the " +
+  "How far a pixel typically is from its true value, from the scatter of its samples: the root mean square, over pixels, of the " +
   "standard error of Y over √(Y² + 0.01 M²), with M the image's mean Y. Halving it takes four times the samples.";
 
 interface Fact {
@@ -48,7 +48,7 @@ const facts: Fact[] = [
   { label: "Invalid samples", value: (render) => formatCount(render.progress.invalid_samples), meaning: "Contributions that were NaN, infinite or negative; they are left out of the image." },
   { label: "Truncated paths", value: (render) => formatCount(render.progress.truncated_paths), meaning: "Photons ended by the tracer's limit of interactions; light that they would have brought is missing." },
   { label: "Tags", value: ({ tags }) => tags.join(", ") || "–", meaning: "Words to sort renders by; the list finds them." },
-  { label: "Layers", value: ({ layers }) => layers.join(", ") || "–", meaning: "What the EXR tells of the surfaces in the image, beside the image itself." },
+  { label: "Layers", value: ({ layers }) => layers.join(", ") || "–", meaning: "Extra channels of the EXR: properties of the surfaces in the image." },
   { label: "Engine", value: ({ engine }) => `${engine}`, meaning: "Version of the tracing engine: images of the same scene by different ones have different bits." },
   { label: "Film", value: (render) => `${render.width} × ${render.height}` },
 ];

@@ -28,7 +28,7 @@ export function listItem(onSelect: () => void): ListItem {
   const group = element("a", { class: "in-group" });
   const tags = element("span", { class: "tags" });
   const bar = progressBar();
-  const error = element("span", { class: "error", title: "Relative error, and what was asked for" });
+  const error = element("span", { class: "error", title: "Relative error, and its target" });
   const finish = element("span", { class: "finish" });
   const cost = element("span", { class: "cost", title: "Processor time of workers, so far and as predicted" });
   node.append(

@@ -55,7 +55,7 @@ export function listView(renders: Renders, group = ""): View {
     // A failed page leaves the button, to be pressed again.
     renders.fetchNextPage().catch(() => undefined);
   });
-  // Renders come one by one; what they change is shown at once.
+  // Renders come one by one; their changes are shown at once.
   const unsubscribe = renders.subscribe(oncePerFrame(update));
   update();
   return {

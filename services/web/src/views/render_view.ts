@@ -79,7 +79,7 @@ function linksOf(id: string): HTMLElement {
   const node = element("p", { class: "back" }, element("a", { href: "#/" }, "← All renders"), element("a", { href: compareRoute(id) }, "Compare…"));
   getBaselines(id).then(
     (found) => { node.append(...found.map((render) => element("a", { href: compareRoute(id, render.id) }, `Compare with engine ${render.engine}`))); },
-    // The view says what is wrong with the render.
+    // The view shows the render's error.
     () => undefined,
   );
   return node;
@@ -92,7 +92,7 @@ export function begin(id: string, renders: Renders, problem: HTMLElement): () =>
     () => { if (!closed) renders.watch([id]); },
     (error: unknown) => {
       if (error instanceof ServiceError && error.status !== 401) setText(problem, `This render cannot be shown: ${error.message}`);
-      // Out of reach: the stream reconnects and then says what there is.
+      // Out of reach: the stream reconnects and then sends the current state.
       else if (!closed) renders.watch([id]);
     },
   );

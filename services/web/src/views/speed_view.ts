@@ -162,6 +162,6 @@ function peers(): HTMLElement {
 
 function ways(): HTMLElement {
   const rows = summary.map(({ scene, default: value, ways: others }) => ({ name: scene, value: value ?? undefined, others }));
-  const caption = "Seconds of one processor to an image that is right to 1 %: as it comes (filled), and by each way that can be asked for (rings). The documentation has a chart for each scene.";
+  const caption = "Seconds of one processor to an image that is right to 1 %: by default (filled), and by each method that can be chosen (rings). The documentation has a chart for each scene.";
   return dotTable({ caption, columns: ["Scene", "CPU seconds to 1 %", "As it comes"], rows, format: seconds });
 }
