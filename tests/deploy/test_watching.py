@@ -6,7 +6,7 @@ from pathlib import Path
 
 import yaml
 from nocturne_api.background.space import Space
-from nocturne_api.operations.prometheus import metrics_text
+from nocturne_api.operations.health import metrics_text
 from nocturne_coordinator.store.data_folder import DataFolder
 
 ROOT = Path(__file__).parents[2]

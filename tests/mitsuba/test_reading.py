@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
-from nocturne_api.denoising import pictures
+from nocturne_api.children import denoising as pictures
 from nocturne_client.cli.app import app
 from nocturne_client.local.programs import CHECKOUT
 from nocturne_coordinator.dispatch.error_estimate import Squares

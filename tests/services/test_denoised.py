@@ -9,7 +9,7 @@ import httpx
 import numpy as np
 import OpenEXR
 import pytest
-from nocturne_api.denoising import pictures
+from nocturne_api.children import denoising as pictures
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.image_error import image_error
 from nocturne_coordinator.dispatch.error_estimate import Squares

@@ -10,7 +10,7 @@ from typing import Any
 
 import httpx
 import pytest
-from nocturne_api.importing import pool
+from nocturne_api.children import pools
 from nocturne_api.service import Service
 from nocturne_client import Client
 from nocturne_client.cli.app import app
@@ -100,15 +100,15 @@ async def test_an_import_that_takes_too_much_is_ended(
     files = await uploaded(rest, {"room.xml": ROOM.encode()})
     hanging = tmp_path / "hanging.py"
     hanging.write_text("import time\ntime.sleep(1000)\n")
-    monkeypatch.setattr(pool, "_PROGRAM", (str(hanging),))
-    monkeypatch.setattr(pool, "IMPORT_WALL_S", 0.2)
+    monkeypatch.setattr(pools, "_IMPORT", (str(hanging),))
+    monkeypatch.setattr(pools, "IMPORT_WALL_S", 0.2)
     answer = await rest.post("/v1/imports", json={"files": files}, timeout=300)
     assert answer.status_code == 422
     assert "within 0.2 s" in answer.text
     monkeypatch.undo()
     dying = tmp_path / "dying.py"
     dying.write_text("import os, signal\nos.kill(os.getpid(), signal.SIGXCPU)\n")
-    monkeypatch.setattr(pool, "_PROGRAM", (str(dying),))
+    monkeypatch.setattr(pools, "_IMPORT", (str(dying),))
     answer = await rest.post("/v1/imports", json={"files": files}, timeout=300)
     assert answer.status_code == 422
     assert "processor time" in answer.text
@@ -126,9 +126,9 @@ async def test_an_import_outlives_its_request(
         "import pathlib, runpy, time\n"
         f"with open({str(starts)!r}, 'a') as file: file.write('x')\n"
         f"while not pathlib.Path({str(go_on)!r}).exists(): time.sleep(0.01)\n"
-        "runpy.run_module('nocturne_api.importing.child', run_name='__main__')\n"
+        "runpy.run_module('nocturne_api.children.importing', run_name='__main__')\n"
     )
-    monkeypatch.setattr(pool, "_PROGRAM", (str(program),))
+    monkeypatch.setattr(pools, "_IMPORT", (str(program),))
 
     async def ask() -> httpx.Response:
         return await rest.post("/v1/imports", json={"files": files}, timeout=120)

@@ -7,7 +7,7 @@ from typing import Any
 import httpx
 import numpy as np
 import pytest
-from nocturne_api.learned import pool as children
+from nocturne_api.children import pools
 
 from tests.pool import FILM, SAMPLES, light_at_the_middle, pool
 
@@ -55,12 +55,12 @@ async def test_others_wait_and_nothing_hangs(
     rest: httpx.AsyncClient, guided: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     place = {"x": 1, "y": 1}
-    monkeypatch.setattr(children, "_at_once", asyncio.Semaphore(0))
+    monkeypatch.setattr(pools, "_lookups", asyncio.Semaphore(0))
     answer = await rest.get(guided, params=place)
     assert answer.status_code == 503
     assert "try again" in answer.json()["detail"]
-    monkeypatch.setattr(children, "_at_once", asyncio.Semaphore(1))
-    monkeypatch.setattr(children, "LEARNED_WALL_S", 1e-3)
+    monkeypatch.setattr(pools, "_lookups", asyncio.Semaphore(1))
+    monkeypatch.setattr(pools, "LEARNED_WALL_S", 1e-3)
     answer = await rest.get(guided, params=place)
     assert answer.status_code == 503
     assert "0.001 s" in answer.json()["detail"]
@@ -78,7 +78,7 @@ async def test_a_scene_that_cant_be_read_is_no_failure_of_the_service(
     rest: httpx.AsyncClient, guided: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """As one of a program of another version, or without nocturne-trace."""
-    monkeypatch.setattr(children, "_PROGRAM", ("-c", "import sys; sys.exit(1)"))
+    monkeypatch.setattr(pools, "_LOOK_UP", ("-c", "import sys; sys.exit(1)"))
     answer = await rest.get(guided, params={"x": 1, "y": 1})
     assert answer.status_code == 404
     assert "can't be looked up" in answer.json()["detail"]

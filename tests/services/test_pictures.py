@@ -65,5 +65,5 @@ async def test_bounds_of_size_and_number(
     assert (await rest.post("/v1/pictures", content=undeclared())).status_code == 422
     monkeypatch.undo()
     assert (await rest.post("/v1/pictures", content=content)).status_code == 200
-    monkeypatch.setattr("nocturne_api.pictures.pool._at_once", asyncio.Semaphore(0))
+    monkeypatch.setattr("nocturne_api.children.pools._pictures", asyncio.Semaphore(0))
     assert (await rest.post("/v1/pictures", content=content)).status_code == 503

@@ -9,8 +9,8 @@ import grpc
 import httpx
 import pytest
 from nocturne.v1 import render_service_pb2, render_service_pb2_grpc
-from nocturne_api.children import answer_of
-from nocturne_api.preflight import pool as pool
+from nocturne_api.children import pools
+from nocturne_api.children.pools import answer_of
 from nocturne_api.service import Service
 from nocturne_client import Client
 from nocturne_client.models import PreflightReport
@@ -43,7 +43,7 @@ async def test_both_endpoints_and_the_client_tell_what_a_scene_needs(
             answers.append(await answer_of(program, job, seconds))
         return answers[0]
 
-    monkeypatch.setattr(pool, "answer_of", answer_once)
+    monkeypatch.setattr(pools, "answer_of", answer_once)
     scene = tmp_path / "scene.json"
     scene.write_text(json.dumps(preflight_body["scene"]))
 
@@ -92,7 +92,7 @@ async def test_one_preflight_at_a_time_and_none_for_ever(
 ) -> None:
     """A preflight that takes too long is ended, and its processes with it; meanwhile a second one is
     refused."""
-    monkeypatch.setattr(pool, "PREFLIGHT_WALL_S", 2.5)
+    monkeypatch.setattr(pools, "PREFLIGHT_WALL_S", 2.5)
     preflight_body |= {"budget_seconds": 120.0, "error": 1e-4}
     first = asyncio.create_task(rest.post("/v1/preflights", json=preflight_body, timeout=300))
     await asyncio.sleep(0.5)
@@ -112,7 +112,7 @@ def _preflights_running() -> list[str]:
             parent = int((entry / "stat").read_text().rpartition(")")[2].split()[1])
         except (OSError, ValueError):
             continue
-        if "nocturne_api.preflight.child" in words and parent == _own_pid():
+        if "nocturne_api.children.preflight" in words and parent == _own_pid():
             found.append(" ".join(words))
     return found
 
@@ -125,7 +125,7 @@ async def test_without_the_tracer_it_says_so(
     rest: httpx.AsyncClient, service: Service, preflight_body: dict[str, Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert service.port
-    monkeypatch.setattr(pool, "_PROGRAM", ("-c", 'print(\'{"failed": "nocturne-trace is missing"}\')'))
+    monkeypatch.setattr(pools, "_PREFLIGHT", ("-c", 'print(\'{"failed": "nocturne-trace is missing"}\')'))
     answer = await rest.post("/v1/preflights", json=preflight_body, timeout=300)
     assert answer.status_code == 409
     assert "nocturne-trace is missing" in answer.json()["detail"]

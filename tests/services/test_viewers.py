@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
-from nocturne_api.denoising import pictures
+from nocturne_api.children import denoising as pictures
 from nocturne_coordinator.dispatch.error_estimate import Squares
 from nocturne_coordinator.output.images import Provenance, write_image
 from nocturne_scene.bands import band_name

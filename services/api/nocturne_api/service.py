@@ -16,7 +16,7 @@ from nocturne_api.addresses import AddressError, check_host, listen
 from nocturne_api.background.space import StorageLimits
 from nocturne_api.compiling.pool import CompileLimits
 from nocturne_api.grpc.server import GrpcEndpoint
-from nocturne_api.models.usage import CoreHourPrice
+from nocturne_api.models.workers import CoreHourPrice
 from nocturne_api.operations.operations import Operations
 from nocturne_api.rest.app import build_rest
 from nocturne_api.rest.protocol import BoundedProtocol

@@ -15,8 +15,9 @@ from nocturne_scene.errors import InputError
 
 from nocturne_api.grpc.conversion import body_of, given
 from nocturne_api.models.assets import Asset
-from nocturne_api.models.preflights import PreflightRequest
-from nocturne_api.models.renders import CreateRenderRequest, Render, StopRequest
+from nocturne_api.models.render_requests import CreateRenderRequest, StopRequest
+from nocturne_api.models.renders import Render
+from nocturne_api.models.scenes import PreflightRequest
 from nocturne_api.operations.assets import Assets
 from nocturne_api.operations.images import Images
 from nocturne_api.operations.operations import Operations

@@ -43,7 +43,7 @@ class GrpcEndpoint:
         self.server = grpc.aio.server(
             options=_OPTIONS,
             maximum_concurrent_rpcs=limits.GRPC_CALLS,
-            interceptors=[AuthInterceptor(operations.tokens.identify if authenticate else None)],
+            interceptors=[AuthInterceptor(operations.identify if authenticate else None)],
         )
         self._health = health.aio.HealthServicer()
         calls = calls_of(operations)

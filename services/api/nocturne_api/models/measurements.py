@@ -1,12 +1,13 @@
-"""Photometry of images: regions, lines, histograms, isolines and glare."""
+"""Numbers of images: readings, measurements of parts, glare, isolines; and what guides their photons."""
 
-from typing import Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 from nocturne_scene.photometry import glare, measuring, outlines
 from pydantic import ConfigDict, Field
 
 from nocturne_api.models import examples
 from nocturne_api.models.base import Answer, RequestBody
+from nocturne_api.models.renders import Region
 
 _POINTS = (
     "[x, y] in pixels from the film's upper left corner, where pixel i covers [i, i + 1). Two opposite "
@@ -223,3 +224,73 @@ class Glare(Answer):
         } | {"notes": [*found.notes]}
         numbers = {name: _known(getattr(found, name)) for name in cls.model_fields.keys() - lists.keys()}
         return cls.model_validate({**numbers, **lists})
+
+
+class ReadValue(Answer):
+    """A mean and its error."""
+
+    name: str = Field(description="X, Y, Z, or a further response of the sensor.")
+    mean: float
+    standard_error: float | None = Field(description="Of the mean; null where it is not known.")
+
+
+class Reading(Answer):
+    """Means over the pixels of a region that have samples."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [examples.READING]})
+
+    region: Region
+    quantity: str = Field(description="What Y measures; empty where it is not known.")
+    unit: str = Field(description="Of X, Y and Z.")
+    response_unit: str = Field(description="Of a further response without a unit of its own.")
+    values: list[ReadValue] = Field(description="X, Y, Z, then the sensor's further responses by name.")
+    u_prime: float | None = Field(description="CIE 1976 u' of the mean; null in the dark.")
+    v_prime: float | None = Field(description="CIE 1976 v' of the mean; null in the dark.")
+    u_prime_error: float | None = Field(description="Standard error; null where it is not known.")
+    v_prime_error: float | None = Field(description="Standard error; null where it is not known.")
+    correlation: float = Field(
+        description="How many times the variance of Y is that of pixels that know nothing of each other; at "
+        "least 1."
+    )
+    coverage_factor: float | None = Field(
+        description="Standard errors to each side of a 95 % interval: Student's t, 2.13 for a block with 16 "
+        "samples, 1.96 where errors are well known; null where they are not known."
+    )
+    pixels: int
+    unseen_pixels: int = Field(description="In which no sample found light.")
+    samples: int = Field(description="Of all pixels together.")
+    fewest_samples: int = Field(description="Of any pixel.")
+    most_samples: int = Field(description="Of any pixel.")
+    invalid_samples: int = Field(description="Of the tiles that the region touches.")
+
+
+_Vector = Annotated[list[float], Field(min_length=3, max_length=3)]
+
+
+class Cone(Answer):
+    """Directions to which photons are sent alike."""
+
+    axis: _Vector = Field(description="Unit vector, from the place to where light came from.")
+    half_angle_degrees: float
+
+
+class LearnedLight(Answer):
+    """Where light comes from that mirrors and glass gather, at what a pixel shows."""
+
+    normal: _Vector | None = Field(
+        description="Of the surface, on the side that is seen; null: the pixel shows none."
+    )
+    direction: _Vector | None = Field(description="Unit vector of the ray that meets it there.")
+    interfaces: int = Field(description="Mirrors and clear boundaries by which it is seen; 0: directly.")
+    cones: list[Cone] = Field(
+        description="Half of the photons that are sent towards lights from here go into one of these, each "
+        "as likely; empty: nothing was learned nearby."
+    )
+
+    @classmethod
+    def of(cls, found: dict[str, Any]) -> Self:
+        """What `nocturne-trace --learned-at` wrote."""
+        cones = [Cone(axis=each[:3], half_angle_degrees=each[3]) for each in found["cones"]]
+        return cls(
+            normal=found["normal"], direction=found["direction"], interfaces=found["interfaces"], cones=cones
+        )

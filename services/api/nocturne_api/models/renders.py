@@ -1,12 +1,10 @@
-"""Renders: their state and progress, and what a caller asks of them.
+"""Renders and their groups: state and progress."""
 
-One file, though long: the fields of one message, each with the sentence that the API's description has.
-"""
-
-from typing import Annotated, Any, Self
+from typing import Self
 
 from nocturne_coordinator.dispatch import region, stopping
 from nocturne_coordinator.dispatch.records import RenderState
+from nocturne_coordinator.store.groups import GroupRow
 from nocturne_coordinator.store.rows import RenderRow
 from nocturne_scene.compile.ways import GUIDED
 from nocturne_scene.quantities import quantity_named
@@ -14,10 +12,7 @@ from nocturne_scene.render_warnings import WarningKind
 from pydantic import ConfigDict, Field
 
 from nocturne_api.models import examples
-from nocturne_api.models.base import Answer, RequestBody, SchemaOf
-
-TAGS = "Words to sort renders by: at most 20, of at most 100 printable characters without a comma."
-REQUEST_ID = "Chosen by the caller, 1 to 128 printable characters: the same id gives the same render again."
+from nocturne_api.models.base import Answer
 
 
 class Progress(Answer):
@@ -246,44 +241,6 @@ class Baselines(Answer):
     renders: list[Render] = Field(description="The newest of each engine, newest engine first.")
 
 
-class ReadValue(Answer):
-    """A mean and its error."""
-
-    name: str = Field(description="X, Y, Z, or a further response of the sensor.")
-    mean: float
-    standard_error: float | None = Field(description="Of the mean; null where it is not known.")
-
-
-class Reading(Answer):
-    """Means over the pixels of a region that have samples."""
-
-    model_config = ConfigDict(json_schema_extra={"examples": [examples.READING]})
-
-    region: Region
-    quantity: str = Field(description="What Y measures; empty where it is not known.")
-    unit: str = Field(description="Of X, Y and Z.")
-    response_unit: str = Field(description="Of a further response without a unit of its own.")
-    values: list[ReadValue] = Field(description="X, Y, Z, then the sensor's further responses by name.")
-    u_prime: float | None = Field(description="CIE 1976 u' of the mean; null in the dark.")
-    v_prime: float | None = Field(description="CIE 1976 v' of the mean; null in the dark.")
-    u_prime_error: float | None = Field(description="Standard error; null where it is not known.")
-    v_prime_error: float | None = Field(description="Standard error; null where it is not known.")
-    correlation: float = Field(
-        description="How many times the variance of Y is that of pixels that know nothing of each other; at "
-        "least 1."
-    )
-    coverage_factor: float | None = Field(
-        description="Standard errors to each side of a 95 % interval: Student's t, 2.13 for a block with 16 "
-        "samples, 1.96 where errors are well known; null where they are not known."
-    )
-    pixels: int
-    unseen_pixels: int = Field(description="In which no sample found light.")
-    samples: int = Field(description="Of all pixels together.")
-    fewest_samples: int = Field(description="Of any pixel.")
-    most_samples: int = Field(description="Of any pixel.")
-    invalid_samples: int = Field(description="Of the tiles that the region touches.")
-
-
 class Explanation(Answer):
     """What a render waits for."""
 
@@ -321,116 +278,40 @@ class Convergence(Answer):
     points: list[ConvergencePoint]
 
 
-class StopRequest(RequestBody):
-    """When a render should end besides at its last sample, whichever comes first; 0 or empty: not asked for.
+class Group(Answer):
+    """All renders of a group together."""
 
-    The schema of `stop` in requests. The coordinator's rules check the values (`stop_conditions`).
-    """
+    model_config = ConfigDict(json_schema_extra={"examples": [examples.GROUP]})
 
-    relative_error: float = Field(default=0.0, description="Of the image, as in Progress, at most 1.")
-    tile_relative_error: float = Field(default=0.0, description="Of each tile, at most 1.")
-    wall_seconds: float = Field(default=0.0, description="Seconds of running, without pauses.")
-    cpu_seconds: float = Field(default=0.0, description="Processor seconds of workers.")
-    until: str = Field(
-        default="",
-        description='A time with its zone: "07:00 Europe/Berlin", "07:00+01:00", "2026-11-22T07:00:00Z".',
+    name: str
+    renders: int = Field(description="How many there are.")
+    ended: int = Field(description="Of these, those in a final state.")
+    failed: int = Field(description="Of those that ended: failed, cancelled or degraded.")
+    fraction: float = Field(
+        description="Of the work of all: sample ranges merged, where what has ended counts as whole."
+    )
+    cpu_seconds: float = Field(description="Processor seconds of workers so far.")
+    predicted_end: float = Field(
+        description="Unix time at which the last of those that run should end; 0: unknown."
     )
 
-
-class SceneDocument(RequestBody):
-    """A scene, by the JSON Schema at /scene.schema.json (docs/reference/scene.md); assets by `sha256:...`.
-
-    The schema of `scene` in requests. The scene language's own rules check it, with all problems at once.
-    """
-
-    model_config = ConfigDict(extra="allow", json_schema_extra={"examples": [examples.SCENE]})
-
-
-Stop = Annotated[dict[str, Any], SchemaOf(StopRequest)]
-Scene = Annotated[dict[str, Any], SchemaOf(SceneDocument)]
-
-
-class CreateRenderRequest(RequestBody):
-    """A scene to render."""
-
-    model_config = ConfigDict(json_schema_extra={"examples": [examples.CREATE_RENDER]})
-
-    request_id: str = Field(description=REQUEST_ID)
-    name: str = Field(default="", description="At most 200 printable characters.")
-    scene: Scene
-    width: int = Field(description="Pixels.")
-    height: int = Field(description="Pixels.")
-    samples: int = Field(description="Samples per pixel, at most.")
-    stop: Stop = Field(default_factory=dict)
-    priority: int = Field(default=0, description="1 to 1000; 0 means 100.")
-    layers: list[str] = Field(
-        default_factory=list,
-        description="What the EXR is to tell of the surfaces in the image: albedo, normal, depth, position, "
-        "object, material, emission. Panoramas of scenes with luminaires have the last one always.",
-    )
-    group: str = Field(
-        default="",
-        description="Renders with the same are one group, such as the frames of a film; at most 200 "
-        "printable characters.",
-    )
-    after: str = Field(
-        default="", description="A group that has to end before this render begins. One without renders has."
-    )
-    tags: list[str] = Field(default_factory=list, description=TAGS)
+    @classmethod
+    def of(cls, row: GroupRow) -> Self:
+        """The public side of a row."""
+        return cls(
+            name=row.name,
+            renders=row.renders,
+            ended=row.ended,
+            failed=row.failed,
+            fraction=row.ranges_done / max(1, row.ranges_planned),
+            cpu_seconds=row.cpu_seconds,
+            predicted_end=row.predicted_end,
+        )
 
 
-class RenderActionRequest(RequestBody):
-    """Doing it twice is doing it once; the request id is kept for the log only."""
+class TilesEvent(Answer):
+    """Which tiles of a render have new samples: the data of an event `tiles`."""
 
-    request_id: str = ""
-
-
-class ExtendRenderRequest(RenderActionRequest):
-    """More samples, or other conditions: what is not named stays as it is."""
-
-    model_config = ConfigDict(json_schema_extra={"examples": [{"samples": 4096}]})
-
-    samples: int = Field(default=0, description="In all, at least as many as before; 0 means as many.")
-    stop: Stop = Field(
-        default_factory=dict, description="Those named here change; all others stay as they are."
-    )
-    drop: list[str] = Field(
-        default_factory=list, description="Names of conditions that are dropped, such as `relative_error`."
-    )
-
-
-class SetPriorityRequest(RenderActionRequest):
-    """The render's weight among those of its owner."""
-
-    model_config = ConfigDict(json_schema_extra={"examples": [{"priority": 200}]})
-
-    priority: int = Field(description="1 to 1000; 200 gets twice the work of 100.")
-
-
-class SetTagsRequest(RenderActionRequest):
-    """Tags instead of those that the render has."""
-
-    model_config = ConfigDict(json_schema_extra={"examples": [{"tags": ["lobby", "for review"]}]})
-
-    tags: list[str] = Field(description=TAGS)
-
-
-class LookFirstRequest(RenderActionRequest):
-    """A part of the film, in pixels from its upper left corner; width and height 0: all parts are alike."""
-
-    model_config = ConfigDict(
-        json_schema_extra={"examples": [{"x": 64, "y": 32, "width": 128, "height": 128}]}
-    )
-
-    x: int = 0
-    y: int = 0
-    width: int = 0
-    height: int = 0
-
-
-class ReplayRenderRequest(RequestBody):
-    """A new render with the samples per tile that this one has now."""
-
-    model_config = ConfigDict(json_schema_extra={"examples": [{"request_id": "night-1-again"}]})
-
-    request_id: str = Field(description=REQUEST_ID)
+    render: str = Field(description="Its id.")
+    revision: int = Field(description="The render's sequence.")
+    tiles: list[tuple[int, int]] = Field(description="First and last indices of runs of tiles.")

@@ -1,19 +1,26 @@
-"""Images of renders: files, and the tiles that changed."""
+"""Images of renders: previews, EXR, tiles, denoised pictures; and bundles, which tell all about a render."""
 
 import asyncio
+import io
+import shutil
 import tempfile
+import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
 from nocturne_coordinator.output.previews import layers_of
+from nocturne_coordinator.store.render_log import log_of
 from nocturne_scene.errors import NotFound
 from nocturne_scene.limits import MAX_RANGES
 
 from nocturne_api.access import CALLER
 from nocturne_api.background.archiver import Archiver
+from nocturne_api.children.pools import denoise_in_child
 from nocturne_api.files.current_image import read_current, write_current
 from nocturne_api.files.open_file import OpenFile, open_file
 from nocturne_api.files.tiles import Cursor, TileAnswers, Tiles, encode, runs, tiles_per_answer
+from nocturne_api.limits import PICTURE_PIXELS
+from nocturne_api.models.renders import Render
 from nocturne_api.operations.folder_access import FolderAccess
 from nocturne_api.operations.renders import Renders
 
@@ -95,3 +102,93 @@ class Images:
                 f"no {what} yet" if not render.has_ended else f"no {what}: the render ended before its first"
             )
         return opened
+
+
+class Denoised:
+    """The pictures of the image that was denoised last are kept: its files are asked for one by one."""
+
+    def __init__(self, renders: Renders, images: Images) -> None:
+        self._renders = renders
+        self._images = images
+        self._kept = tempfile.TemporaryDirectory(prefix="nocturne-denoised-", ignore_cleanup_errors=True)
+        self._one_by_one = asyncio.Lock()
+
+    def close(self) -> None:
+        """Removes what is kept."""
+        self._kept.cleanup()
+
+    async def open(self, render_id: str, name: str) -> OpenFile:
+        """A file by its name in `children.denoising`. Raises NotFound: no image yet, or no denoiser."""
+        render = await self._renders.get(render_id)
+        if render.width * render.height > PICTURE_PIXELS:
+            raise NotFound(f"images of more than {PICTURE_PIXELS} pixels are not denoised")
+        folder = Path(self._kept.name) / f"{render.id}-{render.sequence}"
+        async with self._one_by_one:
+            if not folder.exists():
+                await self._make(render.id, folder)
+            opened = await open_file(folder / name)
+        if opened is None:
+            raise NotFound("no denoised picture")
+        return opened
+
+    async def _make(self, render_id: str, folder: Path) -> None:
+        root = Path(self._kept.name)
+        image = await self._images.open_exr(render_id)
+        await asyncio.to_thread(_empty, root)
+        with image.file, (root / "image.exr").open("wb") as file:
+            await asyncio.to_thread(shutil.copyfileobj, image.file, file)
+        unfinished = root / "unfinished"
+        unfinished.mkdir()
+        await denoise_in_child(root / "image.exr", unfinished)
+        unfinished.rename(folder)
+
+
+def _empty(folder: Path) -> None:
+    for each in folder.iterdir():
+        if each.is_dir():
+            shutil.rmtree(each, ignore_errors=True)
+        else:
+            each.unlink()
+
+
+class Bundles:
+    """Logs and bundles of the renders that callers may see."""
+
+    def __init__(self, access: FolderAccess, renders: Renders) -> None:
+        self._access = access
+        self._renders = renders
+
+    async def log(self, render_id: str) -> str:
+        """What happened to it, line by line; raises NotFound."""
+        render = await self._renders.get(render_id)
+        return str(await self._access.in_database(log_of, self._access.folder, render.id))
+
+    async def bundle(self, render_id: str) -> bytes:
+        """A ZIP: its state, log, scene document, schedule, and what reproduces the failures of tiles. Raises
+        NotFound."""
+        render = await self._renders.get(render_id)
+        folder = self._access.folder
+        log, document, schedule = await self._access.in_database(
+            lambda: (
+                log_of(folder, render.id),
+                folder.renders.scene_document(render.id),
+                folder.renders.schedule(render.id),
+            )
+        )
+        parts = {
+            "render.json": render.model_dump_json(indent=1).encode(),
+            "log.txt": log.encode(),
+            "scene.json": document.encode(),
+            "schedule.pb": schedule.SerializeToString(deterministic=True),
+        }
+        return await asyncio.to_thread(self._zipped, render, parts)
+
+    def _zipped(self, render: Render, parts: dict[str, bytes]) -> bytes:
+        whole = io.BytesIO()
+        with zipfile.ZipFile(whole, "w", zipfile.ZIP_DEFLATED) as archive:
+            for name, content in parts.items():
+                archive.writestr(name, content)
+            beside = self._access.folder.bundle_path(render.id, 0).parent
+            for failure in sorted(beside.glob("failed-tile-*.zip")):
+                archive.write(failure, failure.name)
+        return whole.getvalue()

@@ -6,32 +6,25 @@ from typing import Self
 from nocturne_coordinator.store.object_store import ObjectStore
 from nocturne_coordinator.store.quotas import NO_QUOTA, Quota
 
+from nocturne_api.access import Caller, caller_of
 from nocturne_api.background.archiver import Archiver
 from nocturne_api.background.layers_maker import LayersMaker
 from nocturne_api.background.space import Space, StorageLimits
 from nocturne_api.background.sweeper import Sweeper
 from nocturne_api.compiling.pool import CompileLimits, prepare
-from nocturne_api.models.usage import CoreHourPrice
+from nocturne_api.models.workers import CoreHourPrice
 from nocturne_api.operations.assets import Assets
-from nocturne_api.operations.bundles import Bundles
-from nocturne_api.operations.denoised import Denoised
 from nocturne_api.operations.folder_access import FolderAccess
-from nocturne_api.operations.groups import Groups
 from nocturne_api.operations.health import Health
-from nocturne_api.operations.images import Images
-from nocturne_api.operations.imports import Imports
-from nocturne_api.operations.learned_light import LearnedLights
-from nocturne_api.operations.machines import Machines
+from nocturne_api.operations.images import Bundles, Denoised, Images
 from nocturne_api.operations.measurements import Measurements
-from nocturne_api.operations.preflights import Preflights
-from nocturne_api.operations.readings import Readings
+from nocturne_api.operations.readings import LearnedLights, Readings
 from nocturne_api.operations.render_controls import RenderControls
 from nocturne_api.operations.render_streams import RenderStreams
-from nocturne_api.operations.renders import Renders
-from nocturne_api.operations.tokens import Tokens
-from nocturne_api.operations.usage import Usages
+from nocturne_api.operations.renders import Groups, Renders
+from nocturne_api.operations.scenes import Imports, Preflights
 from nocturne_api.operations.webhooks import Webhooks
-from nocturne_api.operations.workers import Workers
+from nocturne_api.operations.workers import Machines, Usages, Workers
 from nocturne_api.webhooks.sender import WebhookSender
 from nocturne_api.webhooks.targets import TargetRules
 
@@ -74,7 +67,6 @@ class Operations:
         self.webhooks = Webhooks(access, webhook_rules)
         self.assets = Assets(access, space)
         self.imports = Imports(access, self.assets)
-        self.tokens = Tokens(access)
         self.health = Health(access, space)
 
         for task in self._background:
@@ -102,6 +94,10 @@ class Operations:
             storage or StorageLimits(),
             price or CoreHourPrice(),
         )
+
+    async def identify(self, secret: str) -> Caller:
+        """Who has the token with this secret; raises Unauthenticated."""
+        return caller_of(await self._access.in_database(self._access.folder.tokens.find, secret))
 
     async def close(self) -> None:
         """Ends all streams and lets go of the data folder."""

@@ -1,4 +1,4 @@
-"""What regions of renders show, in numbers, with their errors."""
+"""What regions of renders show, in numbers, with their errors, and what guides the photons of a pixel."""
 
 import math
 
@@ -8,7 +8,10 @@ from nocturne_scene.errors import NotFound
 from nocturne_scene.quantities import quantity_named
 from nocturne_scene.uncertainty import RegionReading, RegionSums
 
-from nocturne_api.models import renders as models
+from nocturne_api.children.pools import Place, learned_in_child
+from nocturne_api.compiling.pool import CompileLimits
+from nocturne_api.models.measurements import LearnedLight, Reading, ReadValue
+from nocturne_api.models.renders import Region as RegionModel
 from nocturne_api.operations.film_parts import film_parts, names_of
 from nocturne_api.operations.folder_access import FolderAccess
 from nocturne_api.operations.renders import Renders
@@ -21,7 +24,7 @@ class Readings:
         self._access = access
         self._renders = renders
 
-    async def read(self, render_id: str, region: Region | None) -> models.Reading:
+    async def read(self, render_id: str, region: Region | None) -> Reading:
         """Of all pixels where there is no region; raises NotFound, also where nothing is rendered yet, and
         InputError."""
         render = await self._renders.get(render_id)
@@ -45,20 +48,17 @@ class Readings:
 
 def _answer(
     found: RegionReading, region: Region, quantity_name: str, names: list[str], invalid_samples: int
-) -> models.Reading:
+) -> Reading:
     quantity = quantity_named(quantity_name)
     values = zip(names, found.mean, found.error, strict=True)
     u, v = map(known, found.chromaticity)
     u_error, v_error = map(known, found.chromaticity_error)
-    return models.Reading(
-        region=models.Region(x=region.x, y=region.y, width=region.width, height=region.height),
+    return Reading(
+        region=RegionModel(x=region.x, y=region.y, width=region.width, height=region.height),
         quantity=quantity.name,
         unit=quantity.unit,
         response_unit=quantity.response_unit,
-        values=[
-            models.ReadValue(name=name, mean=mean, standard_error=known(error))
-            for name, mean, error in values
-        ],
+        values=[ReadValue(name=name, mean=mean, standard_error=known(error)) for name, mean, error in values],
         u_prime=u,
         v_prime=v,
         u_prime_error=u_error,
@@ -77,3 +77,24 @@ def _answer(
 def known(value: float) -> float | None:
     """None where it is not."""
     return None if math.isnan(value) else value
+
+
+class LearnedLights:
+    """Lookups for the renders that callers may see."""
+
+    def __init__(self, access: FolderAccess, renders: Renders, compile_limits: CompileLimits) -> None:
+        self._access = access
+        self._renders = renders
+        self._compile_limits = compile_limits
+
+    async def at(self, render_id: str, x: int, y: int) -> LearnedLight:
+        """At what the pixel's middle shows. Raises NotFound, also for a render whose photons are not guided,
+        InputError and Overloaded."""
+        render = await self._renders.get(render_id)
+        Region(x, y, 1, 1).check(render.width, render.height)
+        if not render.guided:
+            raise NotFound(f"no photons of {render.id} are guided: its pilot found no use for that")
+        folder = self._access.folder
+        schedule = await self._access.in_database(folder.renders.schedule, render.id)
+        place = Place(render.scene_sha256, schedule, x, y)
+        return LearnedLight.of(await learned_in_child(place, folder.blobs, self._compile_limits))

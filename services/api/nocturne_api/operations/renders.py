@@ -1,4 +1,4 @@
-"""Renders: creating, reading and deleting them."""
+"""Renders and their groups: creating, reading and deleting."""
 
 import asyncio
 import time
@@ -7,6 +7,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
 
 from nocturne_coordinator.errors import FilesGone
+from nocturne_coordinator.store.groups import Groups as GroupRows
 from nocturne_coordinator.store.removal import delete_render
 from nocturne_coordinator.store.rows import RenderRow
 from nocturne_scene.errors import NotFound
@@ -18,12 +19,13 @@ from nocturne_api.background.space import Space
 from nocturne_api.background.sweeper import Sweeper
 from nocturne_api.compiling.pool import CompileLimits
 from nocturne_api.errors import Overloaded, TooMany
+from nocturne_api.models.render_requests import CreateRenderRequest
 from nocturne_api.models.renders import (
     Baselines,
     Convergence,
     ConvergencePoint,
-    CreateRenderRequest,
     Explanation,
+    Group,
     Render,
     RenderPage,
     TileInProgress,
@@ -197,3 +199,17 @@ class Renders:
         finally:
             self._waiting[owner] -= 1
             self._waiting += Counter()
+
+
+class Groups:
+    """The groups of one data folder that callers may see."""
+
+    def __init__(self, access: FolderAccess) -> None:
+        self._access = access
+        self._rows = GroupRows(access.folder.database)
+
+    async def get(self, name: str) -> Group:
+        """One group; raises NotFound."""
+        caller = CALLER.get()
+        caller.need("read")
+        return Group.of(await self._access.in_database(self._rows.get, name, caller.sees))

@@ -27,7 +27,7 @@ from nocturne_scene.render_warnings import RenderWarning
 from nocturne_scene.scene_ranges import schedule_for_scene
 
 from nocturne_api.compiling.pool import CompileLimits, compile_in_child
-from nocturne_api.models.renders import CreateRenderRequest
+from nocturne_api.models.render_requests import CreateRenderRequest
 
 _T = TypeVar("_T")
 _SHA256 = re.compile("[0-9a-f]{64}")

@@ -1,10 +1,22 @@
-"""Workers: who is there, what happened to them, draining them, and giving them jobs again."""
+"""Workers: who is there, draining them, the machines that they run on, and who uses them."""
 
-from nocturne_coordinator.enrolment import machine_of
+from nocturne_coordinator.enrolment import machine_of, redis_password, redis_user
+from nocturne_coordinator.store.usage import UsageOfOwners
+from nocturne_scene.errors import InputError
 
 from nocturne_api import limits
 from nocturne_api.access import CALLER
-from nocturne_api.models.workers import Worker, WorkerHistory, WorkerList, WorkList, WorkOfWorker
+from nocturne_api.models.workers import (
+    CoreHourPrice,
+    Enrolment,
+    OwnerUsage,
+    Usage,
+    Worker,
+    WorkerHistory,
+    WorkerList,
+    WorkList,
+    WorkOfWorker,
+)
 from nocturne_api.operations.folder_access import FolderAccess
 
 
@@ -70,3 +82,46 @@ class Workers:
         async with self._access.recorded(f"release {worker_id[:80]}"):
             CALLER.get().need("admin")
             await self._access.in_database(self._folder.workers.release, worker_id)
+
+
+class Machines:
+    """Those of one data folder, each known by a token."""
+
+    def __init__(self, access: FolderAccess) -> None:
+        self._access = access
+
+    async def enrol(self) -> Enrolment:
+        """Makes the caller's machine one of the service's, or tells it again what it was told. Raises
+        InputError."""
+        caller = CALLER.get()
+        caller.need("worker")
+        if not caller.name:
+            raise InputError.at("token", "a machine enrols with a token of its own")
+        async with self._access.recorded(f"enrol {caller.name}"):
+            key = await self._access.in_database(self._access.folder.machines.enrol, caller.name)
+        return Enrolment(
+            machine=caller.name,
+            key=key,
+            redis_user=redis_user(caller.name),
+            redis_password=redis_password(key),
+        )
+
+
+class Usages:
+    """The usage of one data folder."""
+
+    def __init__(self, access: FolderAccess, price: CoreHourPrice) -> None:
+        self._access = access
+        self._price = price
+        self._rows = UsageOfOwners(access.folder.database)
+
+    async def get(self) -> Usage:
+        """Of the caller, or of everybody for who may see all renders."""
+        caller = CALLER.get()
+        caller.need("read")
+        rows, jobs = await self._access.in_database(self._rows.read, caller.sees)
+        return Usage(
+            core_hour_price=self._price.price,
+            currency=self._price.currency,
+            owners=[OwnerUsage.of(row, jobs, self._price) for row in rows],
+        )

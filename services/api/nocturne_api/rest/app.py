@@ -12,35 +12,25 @@ from nocturne_api.operations.operations import Operations
 from nocturne_api.rest import (
     assets,
     events,
-    groups,
     health,
     images,
-    imports,
     measurements,
-    metrics,
+    page,
     pictures,
-    preflights,
     problems,
-    reference,
-    render_controls,
     renders,
+    scenes,
     session,
-    usage,
     webhooks,
     workers,
 )
-from nocturne_api.rest.contract import errors
-from nocturne_api.rest.lingering import LingeringMiddleware
+from nocturne_api.rest.contract import DescribedApp, errors
 from nocturne_api.rest.middleware import SecurityMiddleware
-from nocturne_api.rest.openapi import DescribedApp
-from nocturne_api.rest.page import Page
+from nocturne_api.rest.protocol import LingeringMiddleware
 
 _ROUTERS = (
     renders,
-    groups,
-    render_controls,
-    preflights,
-    imports,
+    scenes,
     images,
     measurements,
     pictures,
@@ -48,11 +38,9 @@ _ROUTERS = (
     session,
     assets,
     workers,
-    usage,
     webhooks,
     health,
-    metrics,
-    reference,
+    page,
 )
 
 
@@ -75,10 +63,8 @@ def build_rest(operations: Operations, web: Path, loopback_only: bool, authentic
     """The ASGI application over `operations`, with the page in the folder `web` at `/`."""
     app = described_app()
     app.state.operations = operations
-    page = Page(web)
-    app.state.page = page
-    app.router.default = page
-    identify = operations.tokens.identify if authenticate else None
+    app.state.page = app.router.default = page.Page(web)
+    identify = operations.identify if authenticate else None
     return LingeringMiddleware(SecurityMiddleware(app, loopback_only, identify))
 
 

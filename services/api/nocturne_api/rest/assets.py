@@ -8,9 +8,8 @@ from starlette.responses import Response
 from nocturne_api.errors import FolderFull, Overloaded
 from nocturne_api.limits import SMALL_BODY_BYTES
 from nocturne_api.models.assets import Asset, BatchMissingRequest, BatchMissingResponse
-from nocturne_api.rest.access import Service
-from nocturne_api.rest.bodies import declared_bytes, pieces, read_json
 from nocturne_api.rest.contract import body_of, errors
+from nocturne_api.rest.requests import Service, declared_bytes, pieces, read_json
 
 router = APIRouter(prefix="/v1", tags=["assets"])
 

@@ -11,9 +11,9 @@ from fastapi.sse import EventSourceResponse, ServerSentEvent
 from nocturne_scene.errors import InputError, NocturneError
 
 from nocturne_api.limits import RENDERS_PER_STREAM
-from nocturne_api.models.events import TilesEvent
+from nocturne_api.models.renders import TilesEvent
 from nocturne_api.operations.render_streams import States
-from nocturne_api.rest.access import Service
+from nocturne_api.rest.requests import Service
 
 router = APIRouter(prefix="/v1", tags=["events"])
 

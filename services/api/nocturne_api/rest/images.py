@@ -8,13 +8,12 @@ from nocturne_coordinator.errors import AmbiguousId
 from nocturne_scene.errors import NotFound
 from starlette.responses import Response, StreamingResponse
 
-from nocturne_api.denoising.pictures import DIFFERENCE, EXR, PNG
+from nocturne_api.children.denoising import DIFFERENCE, EXR, PNG
 from nocturne_api.files.open_file import OpenFile
 from nocturne_api.files.tiles import MEDIA_TYPE, Cursor
-from nocturne_api.models.learned_light import LearnedLight
-from nocturne_api.models.renders import Reading
-from nocturne_api.rest.access import Service
+from nocturne_api.models.measurements import LearnedLight, Reading
 from nocturne_api.rest.contract import answers, errors
+from nocturne_api.rest.requests import Service
 
 router = APIRouter(prefix="/v1/renders", tags=["images"])
 

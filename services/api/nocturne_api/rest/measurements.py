@@ -16,9 +16,8 @@ from nocturne_api.models.measurements import (
     Measurements,
     MeasureRequest,
 )
-from nocturne_api.rest.access import Service
-from nocturne_api.rest.bodies import read_json
 from nocturne_api.rest.contract import body_of, errors
+from nocturne_api.rest.requests import Service, read_json
 
 router = APIRouter(prefix="/v1/renders", tags=["measurements"])
 

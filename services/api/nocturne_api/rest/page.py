@@ -1,7 +1,10 @@
-"""The web page, built by Vite into one folder."""
+"""The page, and the API reference at /docs: Swagger UI, built with the page and served from here."""
 
 from pathlib import Path
+from typing import Any
 
+from fastapi import APIRouter, Request
+from nocturne_scene.document.reference import json_schema
 from starlette.exceptions import HTTPException
 from starlette.responses import FileResponse, PlainTextResponse, Response
 from starlette.types import Receive, Scope, Send
@@ -62,3 +65,19 @@ class Page:
 def _fresh(file: Path) -> FileResponse:
     """A file that browsers keep, but ask for before every use."""
     return FileResponse(file, headers={"Cache-Control": _ASK_FIRST})
+
+
+router = APIRouter(include_in_schema=False)
+
+
+@router.get("/docs")
+async def reference(request: Request) -> Response:
+    """The reference viewer; it loads nothing from elsewhere."""
+    response: Response = request.app.state.page.file("reference.html")
+    return response
+
+
+@router.get("/scene.schema.json")
+async def scene_schema() -> dict[str, Any]:
+    """The JSON Schema of scene documents."""
+    return json_schema()

@@ -13,12 +13,12 @@ from starlette.background import BackgroundTask
 from starlette.responses import Response, StreamingResponse
 
 from nocturne_api.access import CALLER
+from nocturne_api.children.pools import picture_as_tiles
 from nocturne_api.errors import Overloaded
 from nocturne_api.files.tiles import MEDIA_TYPE
 from nocturne_api.limits import CHUNK_BYTES, PICTURE_BYTES
-from nocturne_api.pictures.pool import picture_as_tiles
-from nocturne_api.rest.bodies import declared_bytes, pieces
 from nocturne_api.rest.contract import answers, errors
+from nocturne_api.rest.requests import declared_bytes, pieces
 
 router = APIRouter(prefix="/v1/pictures", tags=["images"])
 

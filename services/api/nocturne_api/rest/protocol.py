@@ -2,12 +2,16 @@
 address (docs/decisions/0050-uvicorn-with-bounds.md)."""
 
 import asyncio
+import time
 
 import h11
+from starlette.datastructures import Headers
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from nocturne_api import limits
 from nocturne_api.errors import Overloaded, TooSlow, failure_of
+from nocturne_api.limits import LINGER_S
 from nocturne_api.rest.problems import response_of
 
 
@@ -134,3 +138,54 @@ class BoundedProtocol(H11Protocol):
 
 def _address(connection: BoundedProtocol) -> str:
     return connection.client[0] if connection.client else ""
+
+
+class LingeringMiddleware:
+    """Reads on for a moment, and throws away, when an answer is complete before its request is.
+
+    Closing at once would reset the connection, and a sender in the middle of a large body would never get to
+    read why it was refused.
+    """
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] != "http" or not _has_body(Headers(scope=scope)):
+            await self._app(scope, receive, send)
+            return
+        unread = True
+
+        async def noted_receive() -> Message:
+            nonlocal unread
+            message = await receive()
+            unread = message.get("more_body", False)
+            return message
+
+        async def lingering_send(message: Message) -> None:
+            is_last = message["type"] == "http.response.body" and not message.get("more_body", False)
+            if is_last and unread:
+                await send({**message, "more_body": True})
+                await _throw_away(receive)
+                message = {"type": "http.response.body"}
+            await send(message)
+
+        await self._app(scope, noted_receive, lingering_send)
+
+
+def _has_body(headers: Headers) -> bool:
+    """Whether a body is on its way; one that waits for a "100 Continue" is not."""
+    if "expect" in headers:
+        return False
+    return headers.get("content-length", "0") != "0" or "transfer-encoding" in headers
+
+
+async def _throw_away(receive: Receive) -> None:
+    end = time.monotonic() + LINGER_S
+    while (left := end - time.monotonic()) > 0:
+        try:
+            message = await asyncio.wait_for(receive(), left)
+        except TimeoutError:
+            return
+        if not message.get("more_body", False):
+            return

@@ -6,9 +6,8 @@ from starlette.responses import Response
 
 from nocturne_api.limits import SMALL_BODY_BYTES
 from nocturne_api.models.webhooks import CreateWebhookRequest, NewWebhook, WebhookList
-from nocturne_api.rest.access import Service
-from nocturne_api.rest.bodies import read_json
 from nocturne_api.rest.contract import body_of, errors
+from nocturne_api.rest.requests import Service, read_json
 
 router = APIRouter(prefix="/v1/webhooks", tags=["webhooks"])
 

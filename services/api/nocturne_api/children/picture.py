@@ -1,5 +1,6 @@
-"""Reads an image file of a stranger and writes it as tiles: FILE TILES EDGE. What is wrong goes to stdout."""
+"""Writes a stranger's image file as tiles: a job on standard input, problems on standard output, in JSON."""
 
+import json
 import resource
 import sys
 from pathlib import Path
@@ -10,20 +11,19 @@ from nocturne_scene.errors import InputError
 from nocturne_api.files.tiles import encode_picture
 from nocturne_api.limits import PICTURE_MEMORY_BYTES, PICTURE_PIXELS
 
-UNREADABLE = 3
-"""Exit code where the file is at fault."""
-
 
 def main() -> None:
     """Does it within bounds of memory."""
-    file, tiles, edge = Path(sys.argv[1]), Path(sys.argv[2]), int(sys.argv[3])
+    job = json.load(sys.stdin)
     resource.setrlimit(resource.RLIMIT_AS, (PICTURE_MEMORY_BYTES, PICTURE_MEMORY_BYTES))
+    answer = {}
     try:
-        picture = read_picture(file, PICTURE_PIXELS)
+        picture = read_picture(Path(job["file"]), PICTURE_PIXELS)
     except InputError as error:
-        sys.stdout.write(error.problems[0].message)
-        sys.exit(UNREADABLE)
-    tiles.write_bytes(encode_picture(picture, edge))
+        answer = {"problems": [["$", error.problems[0].message]]}
+    else:
+        Path(job["tiles"]).write_bytes(encode_picture(picture, job["edge"]))
+    json.dump(answer, sys.stdout)
 
 
 if __name__ == "__main__":

@@ -1,9 +1,4 @@
-"""Imports: scenes of other renderers become scene documents.
-
-An import outlives the request for it: it goes on when the caller leaves, and its answer is kept for a day.
-Whoever asks for the same again waits for the one under way, or gets the answer. If the service ends,
-the next request begins anew: the files are stored, and nothing else is needed.
-"""
+"""Imports of other renderers' scenes, and preflights, which say what a scene needs."""
 
 import asyncio
 import hashlib
@@ -16,9 +11,11 @@ from nocturne_scene.blobs import NoteKey
 from nocturne_scene.errors import InputError
 
 from nocturne_api.access import CALLER
-from nocturne_api.importing.pool import import_in_child
+from nocturne_api.children.pools import import_in_child, preflight_in_child
+from nocturne_api.compiling.pool import CompileLimits
+from nocturne_api.errors import Overloaded
 from nocturne_api.limits import IMPORT_FILES, IMPORT_KEPT_S
-from nocturne_api.models.imports import ImportedScene, ImportRequest
+from nocturne_api.models.scenes import ImportedScene, ImportRequest, PreflightReport, PreflightRequest
 from nocturne_api.operations.assets import Assets
 from nocturne_api.operations.folder_access import FolderAccess
 from nocturne_api.operations.submission import digest_problems, raise_if
@@ -102,3 +99,24 @@ def _key(owner: str, request: ImportRequest) -> NoteKey:
     asked = json.dumps(request.model_dump(), sort_keys=True)
     first = min(request.files.values())
     return NoteKey(first, f"import {_IMPORTERS} {owner} {hashlib.sha256(asked.encode()).hexdigest()}")
+
+
+class Preflights:
+    """One preflight at a time, each in a child process of low priority."""
+
+    def __init__(self, access: FolderAccess, compile_limits: CompileLimits) -> None:
+        self._blobs = access.folder.blobs
+        self._compile_limits = compile_limits
+        self._running = asyncio.Lock()
+
+    async def run(self, request: PreflightRequest) -> PreflightReport:
+        """What a scene needs for a target error; takes minutes.
+
+        Raises InputError with every problem found, CantPreflight, and Overloaded while another one runs.
+        """
+        CALLER.get().need("submit")
+        if self._running.locked():
+            raise Overloaded("another preflight is running; try again in a few minutes")
+        async with self._running:
+            report = await preflight_in_child(request, self._blobs, self._compile_limits)
+            return PreflightReport.model_validate(report)

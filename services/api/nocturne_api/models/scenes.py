@@ -1,11 +1,61 @@
-"""Preflights: what a scene needs for a target error, and what each of its parts changes and costs."""
+"""Scenes in requests, imports of other renderers' scenes, and preflights, which say what a scene needs."""
+
+from typing import Annotated, Any
 
 from pydantic import ConfigDict, Field
 
 from nocturne_api.limits import PREFLIGHT_BUDGET_S
 from nocturne_api.models import examples
-from nocturne_api.models.base import Answer, RequestBody
-from nocturne_api.models.renders import Scene
+from nocturne_api.models.base import Answer, RequestBody, SchemaOf
+from nocturne_api.models.problems import Problem
+
+
+class SceneDocument(RequestBody):
+    """A scene, by the JSON Schema at /scene.schema.json (docs/reference/scene.md); assets by `sha256:...`.
+
+    The schema of `scene` in requests. The scene language's own rules check it, with all problems at once.
+    """
+
+    model_config = ConfigDict(extra="allow", json_schema_extra={"examples": [examples.SCENE]})
+
+
+Scene = Annotated[dict[str, Any], SchemaOf(SceneDocument)]
+
+
+class ImportRequest(RequestBody):
+    """Files of a scene that was made for another renderer: Mitsuba 3, pbrt-v4, glTF 2.0."""
+
+    model_config = ConfigDict(json_schema_extra={"examples": [examples.IMPORT]})
+
+    files: dict[str, str] = Field(
+        description="SHA-256 digests of uploaded files, by the paths that they have for each other; a ZIP "
+        "archive is one file."
+    )
+    scene: str = Field(
+        default="", description="Which of them is the scene. Default: the one nearest to the top."
+    )
+    allow_missing: bool = Field(
+        default=False, description="Leave out what has no equal here, instead of an error."
+    )
+    light: str = Field(
+        default="",
+        description="Light around the scene: `sky`, `studio`, or the path of a picture among the files. "
+        "Default: `sky` where nothing emits.",
+    )
+    time: float | None = Field(default=None, description="Seconds into an animation. Default: at rest.")
+    parameters: dict[str, str] = Field(default={}, description="Values of `$name` in Mitsuba's files.")
+
+
+class ImportedScene(Answer):
+    """A scene that was imported; its files are stored."""
+
+    document: Scene = Field(description="The scene document.")
+    scene: str = Field(description="Path of the file that it was made of.")
+    width: int = Field(description="Of the file's film, pixels.")
+    height: int = Field(description="Of the file's film, pixels.")
+    samples: int | None = Field(description="Per pixel, as the file says; null: it does not.")
+    notes: list[str] = Field(description="What is expressed in another way.")
+    missing: list[Problem] = Field(description="What was left out.")
 
 
 class PreflightRequest(RequestBody):

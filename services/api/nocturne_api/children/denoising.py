@@ -2,8 +2,13 @@
 
 A denoised picture is smooth where the true image has noise, and wrong by nobody knows how much. So its EXR
 has no channel that any reader of ours takes for an image, and a map says where it leaves the true image.
+
+As a program: the job on standard input, why it failed on standard output, both JSON.
 """
 
+import json
+import os
+import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -81,3 +86,22 @@ def coloured(bars: Values) -> npt.NDArray[np.uint8]:
 
 def _planes(channels: Mapping[str, Any], names: tuple[str, str, str]) -> Values:
     return np.stack([channels[name] for name in names], axis=-1, dtype=np.float32)
+
+
+def main() -> None:
+    """Denoises one image, at low priority."""
+    job = json.load(sys.stdin)
+    os.nice(5)
+    answer = {}
+    try:
+        write_denoised(Path(job["image"]), Path(job["folder"]))
+    except ImportError:
+        why = "this service has no denoiser; pip install 'nocturne-service[denoise]' brings it"
+        answer = {"failed": why}
+    except KeyError as missing:
+        answer = {"failed": f"an image without the channel {missing} can't be denoised"}
+    json.dump(answer, sys.stdout)
+
+
+if __name__ == "__main__":
+    main()

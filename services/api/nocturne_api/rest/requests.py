@@ -1,21 +1,33 @@
-"""Reads request bodies within bounds: what is too big is not read to the end, declared or not."""
+"""What routes take of requests: the operations, and bodies within bounds.
+
+A body that is too big is not read to the end, declared or not.
+"""
 
 import asyncio
 import logging
 from collections.abc import AsyncIterator
-from typing import TypeVar
+from typing import Annotated, TypeVar
 
-from fastapi import Request
+from fastapi import Depends, Request
 from nocturne_scene.document.json_text import decode_json
 from nocturne_scene.errors import InputError
 from starlette.requests import ClientDisconnect
 
 from nocturne_api.errors import BrokenOff
 from nocturne_api.models.base import RequestBody, validated
+from nocturne_api.operations.operations import Operations
 
 _log = logging.getLogger(__name__)
 
 _Model = TypeVar("_Model", bound=RequestBody)
+
+
+def _operations(request: Request) -> Operations:
+    operations: Operations = request.app.state.operations
+    return operations
+
+
+Service = Annotated[Operations, Depends(_operations)]
 
 
 async def read_json(request: Request, model: type[_Model], limit_bytes: int) -> _Model:

@@ -1,1 +1,0 @@
-"""Pictures without noise, to look at: never measured, and nothing that is measured knows them."""

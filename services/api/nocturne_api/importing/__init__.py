@@ -1,1 +1,0 @@
-"""Scenes of other renderers are imported in child processes with bounded time, memory and size."""

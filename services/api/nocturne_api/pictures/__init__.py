@@ -1,1 +1,0 @@
-"""Image files from elsewhere, as tiles for viewers."""

@@ -1,1 +1,0 @@
-"""The preflight of a scene (what it needs for a target error) runs in a child process."""
