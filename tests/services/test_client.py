@@ -116,7 +116,7 @@ def test_watch_connects_again_and_asks_for_later_states_only(monkeypatch: pytest
         if len(asked) == 2:
             raise httpx.ReadError("connection lost")
         state = "RUNNING" if len(asked) == 1 else "SUCCEEDED"
-        return httpx.Response(200, text=f"event: render\ndata: {json.dumps(_render(state, len(asked)))}\n\n")
+        return _event(_render(state, len(asked)))
 
     with Client("http://test", transport=httpx.MockTransport(answer)) as client:
         assert [state.state for state in client.watch("r")] == ["RUNNING", "SUCCEEDED"]
@@ -133,13 +133,22 @@ def test_watch_outlives_a_service_that_is_started_again(monkeypatch: pytest.Monk
         made += 1
         if 1 < made < 10:
             raise httpx.ConnectError("refused")
-        return httpx.Response(
-            200, text=f"data: {json.dumps(_render('RUNNING' if made == 1 else 'SUCCEEDED', made))}\n\n"
-        )
+        return _event(_render("RUNNING" if made == 1 else "SUCCEEDED", made))
 
     with Client("http://test", transport=httpx.MockTransport(answer)) as client:
         assert [state.state for state in client.watch("r")] == ["RUNNING", "SUCCEEDED"]
     assert made == 10
+
+
+def test_a_sentence_may_have_what_other_texts_end_lines_with() -> None:
+    """Lines of events end at LF and CR alone; a worker's words may have other separators."""
+    reason = "Tile 3:\x0c\u0085\u2028no memory"
+
+    def answer(_: httpx.Request) -> httpx.Response:
+        return _event({**_render("FAILED", 1), "reason": reason})
+
+    with Client("http://test", transport=httpx.MockTransport(answer)) as client:
+        assert [state.reason for state in client.watch("r")] == [reason]
 
 
 def test_a_missing_token_is_told_in_words_of_the_command_line(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -157,22 +166,39 @@ def test_a_missing_token_is_told_in_words_of_the_command_line(monkeypatch: pytes
             client.list()
 
 
-@pytest.mark.parametrize(("status", "calls"), [(503, 3), (500, 1), (404, 1), (422, 1)])
-def test_only_unavailable_is_retried(status: int, calls: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("nocturne_client.transport.RETRY_DELAYS_S", (0.0, 0.0))
+@pytest.mark.parametrize(
+    ("status", "retry_after", "waited"),
+    [
+        (503, "", [0.0, 0.5]),
+        (503, "5", [5.0, 5.0]),
+        (429, "1", [1.0, 1.0]),
+        # Quotas are not free again so soon.
+        (429, "60", []),
+        (503, "Wed, 21 Oct 2026 07:28:00 GMT", [0.0, 0.5]),
+        *((status, "1", []) for status in (500, 404, 422, 507)),
+    ],
+)
+def test_what_is_busy_is_asked_again_when_it_says(
+    status: int, retry_after: str, waited: list[float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    slept: list[float] = []
+    monkeypatch.setattr("nocturne_client.transport.RETRY_DELAYS_S", (0.0, 0.5))
+    monkeypatch.setattr("nocturne_client.transport.time.sleep", slept.append)
     made = 0
 
     def answer(_: httpx.Request) -> httpx.Response:
         nonlocal made
         made += 1
-        return httpx.Response(status, json={"detail": "no", "problems": []})
+        headers = {"Retry-After": retry_after} if retry_after else {}
+        return httpx.Response(status, json={"detail": "no", "problems": []}, headers=headers)
 
     with (
         Client("http://test", transport=httpx.MockTransport(answer)) as client,
-        pytest.raises(NocturneClientError),
+        pytest.raises(NocturneClientError) as caught,
     ):
         client.get("r")
-    assert made == calls
+    assert (made, slept) == (1 + len(waited), waited)
+    assert caught.value.can_be_retried == (status in (429, 503))
 
 
 def test_ids_stay_one_part_of_the_path() -> None:
@@ -300,3 +326,8 @@ def test_exit_statuses_are_what_the_help_says() -> None:
 
 def _render(state: str, sequence: int) -> dict[str, Any]:
     return {**copy.deepcopy(examples.RENDER), "state": state, "sequence": sequence}
+
+
+def _event(render: dict[str, Any]) -> httpx.Response:
+    text = f"event: render\ndata: {json.dumps(render, ensure_ascii=False)}\nid: {render['sequence']}\n\n"
+    return httpx.Response(200, text=text, headers={"Content-Type": "text/event-stream"})

@@ -3,7 +3,7 @@
 One file, though long: a list of short methods, each a call.
 """
 
-import time
+import json
 import uuid
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict
@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any, Literal
 from urllib.parse import quote
 
 import httpx
+from httpx_sse import EventSource
 
 from nocturne_client.changes import changed
 from nocturne_client.decoding import decode
 from nocturne_client.errors import NocturneClientError
-from nocturne_client.events import data_of
 from nocturne_client.import_files import files_of_import
 from nocturne_client.models import (
     Explanation,
@@ -42,7 +42,7 @@ from nocturne_client.models import (
 )
 from nocturne_client.outputs import check_output, written
 from nocturne_client.scene_files import SceneOnDisk, digest, read_scene
-from nocturne_client.transport import RETRY_DELAYS_S, Transport
+from nocturne_client.transport import RETRY_DELAYS_S, Transport, wait_for
 
 if TYPE_CHECKING:
     from nocturne_client.tiles import TileAnswer
@@ -377,9 +377,9 @@ class Client:
             except NocturneClientError as error:
                 delays = RETRY_DELAYS_S if last is None else _WATCH_DELAYS_S
                 failures += 1
-                if not error.can_be_retried or failures > len(delays):
+                if failures > len(delays):
                     raise
-                time.sleep(delays[failures - 1])
+                wait_for(error, delays[failures - 1])
 
     def download(self, render_id: str, kind: ImageKind, path: Path) -> Path:
         """Writes the image ("exr") or the preview ("png") as it is now, or the "scene" document; `path` is
@@ -446,8 +446,10 @@ class Client:
         headers = {"Last-Event-ID": str(last.sequence)} if last else {}
         path = f"/v1/renders/{_part(render_id)}/events"
         with self._transport.stream("GET", path, headers=headers, timeout=_WATCH_TIMEOUT) as response:
-            for value in data_of(response.iter_lines()):
-                yield decode(Render, value)
+            for event in EventSource(response).iter_sse():
+                # A comment after an event comes as one without data.
+                if event.data:
+                    yield decode(Render, json.loads(event.data))
 
     def _download_once(self, address: str, path: Path) -> None:
         try:

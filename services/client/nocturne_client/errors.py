@@ -18,16 +18,19 @@ class Problem:
 class NocturneClientError(Exception):
     """A request that did not succeed; `problems` says what to change."""
 
-    def __init__(self, message: str, status: int = 0, problems: Sequence[Problem] = ()) -> None:
-        """`status` is the HTTP status of the answer, 0 where there was none."""
+    def __init__(
+        self, message: str, status: int = 0, problems: Sequence[Problem] = (), retry_after_s: float = 0.0
+    ) -> None:
+        """`status`: of the HTTP answer, 0 where there was none; `retry_after_s`: as its Retry-After."""
         super().__init__(message)
         self.status = status
         self.problems = tuple(problems)
+        self.retry_after_s = retry_after_s
 
     @property
     def can_be_retried(self) -> bool:
         """Whether the same request may succeed later."""
-        return self.status == 503
+        return self.status in (429, 503)
 
 
 class NotReachedError(NocturneClientError):

@@ -15,6 +15,8 @@ from nocturne_client.errors import NocturneClientError, NotReachedError, Problem
 
 DEFAULT_URL = "http://127.0.0.1:7070"
 RETRY_DELAYS_S = (0.2, 0.5, 1.0)
+# Whoever asks should hear of longer waits, such as for a quota, at once.
+_LONGEST_WAIT_S = 10.0
 
 _TIMEOUT = httpx.Timeout(60.0, connect=5.0)
 _T = TypeVar("_T")
@@ -82,10 +84,15 @@ class Transport:
             try:
                 return call()
             except NocturneClientError as error:
-                if not error.can_be_retried:
-                    raise
-            time.sleep(delay)
+                wait_for(error, delay)
         return call()
+
+
+def wait_for(error: NocturneClientError, delay_s: float) -> None:
+    """Waits before the next try, as long as the service said or longer. Raises errors that last."""
+    if not error.can_be_retried or error.retry_after_s > _LONGEST_WAIT_S:
+        raise error
+    time.sleep(max(delay_s, error.retry_after_s))
 
 
 def _trusted(url: str) -> ssl.SSLContext | bool:
@@ -107,15 +114,18 @@ def _raise_for(response: httpx.Response) -> None:
     if response.status_code < 400:
         return
     response.read()
+    # Never a date: the service says seconds.
+    after = response.headers.get("retry-after", "")
+    retry_after_s = float(after) if after.isascii() and after.isdecimal() else 0.0
     if response.status_code == httpx.codes.UNAUTHORIZED:
         raise NocturneClientError(_about_tokens(response), response.status_code)
     try:
         body = response.json()
         problems = [Problem(each["place"], each["message"]) for each in body.get("problems", [])]
-        raise NocturneClientError(body["detail"], response.status_code, problems)
+        raise NocturneClientError(body["detail"], response.status_code, problems, retry_after_s)
     except (ValueError, KeyError, TypeError, AttributeError):
         message = f"{response.request.url} answered {response.status_code} {response.reason_phrase}"
-        raise NocturneClientError(message, response.status_code) from None
+        raise NocturneClientError(message, response.status_code, (), retry_after_s) from None
 
 
 def _about_tokens(response: httpx.Response) -> str:
