@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { isOfOtherRenderer, sceneOf } from "../../../services/web/src/submit/import_scene.ts";
-import { documentPaths, partsWithPaths, readScene, resolved } from "../../../services/web/src/submit/scene_files.ts";
+import { digest, documentPaths, partsWithPaths, readScene, resolved } from "../../../services/web/src/submit/scene_files.ts";
 import { readZip } from "../../../services/web/src/submit/zip.ts";
 import type { SceneDocument } from "../../../services/web/src/service/types.ts";
 import { archive } from "./files.ts";
@@ -37,6 +37,21 @@ test("a scene's files become digests, and a mesh says its format", async () => {
   const sha256 = "68186b5c8a5fe9046384905c6349b3e71760e69767d544016df45d43f69d9060";
   assert.deepEqual([...scene.files.keys()], [sha256]);
   assert.deepEqual(scene.document.surfaces, [{ shape: { type: "mesh", asset: `sha256:${sha256}`, format: "ply" } }]);
+});
+
+/** A file that is too large to be had whole, as browsers refuse files of 2 GB. */
+class Large extends Blob {
+  override arrayBuffer(): Promise<ArrayBuffer> {
+    return Promise.reject(new Error("too large"));
+  }
+}
+
+test("a file of any size has its SHA-256, piece by piece", async () => {
+  // The examples of FIPS 180-2, appendix B.
+  assert.equal(await digest(new Large(["abc"])), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+  const pieces = Array.from({ length: 1000 }, () => "a".repeat(1000));
+  assert.equal(await digest(new Large(pieces)), "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
+  assert.equal(await digest(new Large([])), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
 });
 
 test("what is missing is told with its place", async () => {

@@ -1,4 +1,6 @@
 /** A scene among files by path: its document, and what it refers to by relative paths. As nocturne_client/scene_files.py. */
+import { sha256 } from "@noble/hashes/sha2.js";
+import { bytesToHex } from "@noble/hashes/utils.js";
 import { missingAssets, storeAsset } from "../service/client.ts";
 import type { Problem, SceneDocument } from "../service/types.ts";
 
@@ -112,9 +114,8 @@ export async function upload(files: ReadonlyMap<string, Blob>, say: (words: stri
 }
 
 export async function digest(file: Blob): Promise<string> {
-  // Browsers give it to pages from this machine or over TLS only; types do not say so.
-  const subtle = crypto.subtle as SubtleCrypto | undefined;
-  if (!subtle) throw new Error("Files can be sent over HTTPS or from this machine only: browsers give no SHA-256 otherwise.");
-  const hash = new Uint8Array(await subtle.digest("SHA-256", await file.arrayBuffer()));
-  return [...hash].map((byte) => byte.toString(16).padStart(2, "0")).join("");
+  const hash = sha256.create();
+  const reader = file.stream().getReader();
+  for (let part = await reader.read(); !part.done; part = await reader.read()) hash.update(part.value);
+  return bytesToHex(hash.digest());
 }
