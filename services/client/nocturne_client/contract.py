@@ -37,12 +37,12 @@ class UnmetPart:
     width: int
     height: int
     part: float
-    """At most so much (two standard errors above what a pilot found), in parts of what is seen there."""
+    """At most so much (two standard errors above what a pilot found), relative to the light seen there."""
 
 
 @dataclass(frozen=True)
 class RenderWarning:
-    """What whoever reads a render should know beside its error."""
+    """A warning to readers of a render, in addition to its error."""
 
     kind: WarningKind
     """scene: the document says what can hardly be meant. layers: they could not be made. missing_light: so
@@ -84,7 +84,7 @@ class Region:
 
 @dataclass(frozen=True)
 class Progress:
-    """What has been merged and committed of a render."""
+    """The merged and committed work of a render."""
 
     ranges_done: int
     """Sample ranges merged."""
@@ -180,9 +180,9 @@ class Render:
     guided: bool
     """Whether photons from the sensor are sent to where light was learned to come from."""
     layers: list[str]
-    """Layers that its EXR has beside the image: those asked for, and emission of a panorama."""
+    """Layers that its EXR has in addition to the image: those asked for, and emission of a panorama."""
     group: str
-    """What it was submitted with; empty: alone."""
+    """Name of its group; empty: none."""
     after: str
     """The group that has to end before it begins; empty: none."""
     tags: list[str]
@@ -237,7 +237,7 @@ class Reading:
     unit: str
     """Of X, Y and Z."""
     response_unit: str
-    """Of a further response without a unit of its own."""
+    """Of a further response without its own unit."""
     values: list[ReadValue]
     """X, Y, Z, then the sensor's further responses by name."""
     u_prime: float | None
@@ -339,7 +339,7 @@ class Measurements:
     """What outlines of an image show."""
 
     quantity: str
-    """What is measured; the channel's name where it is not Y."""
+    """The measured quantity; the channel's name where it is not Y."""
     unit: str
     channel: str
     measurements: list[Measurement]
@@ -422,7 +422,7 @@ class Group:
     failed: int
     """Of those that ended: failed, cancelled or degraded."""
     fraction: float
-    """Of the work of all: sample ranges merged, where what has ended counts as whole."""
+    """Of the work of all: sample ranges merged, where a render that has ended counts as whole."""
     cpu_seconds: float
     """Processor seconds of workers so far."""
     predicted_end: float
@@ -523,7 +523,7 @@ class Usage:
 
 @dataclass(frozen=True)
 class Webhook:
-    """An address that is told how its owner's renders end."""
+    """An address that gets a message when a render of its owner ends."""
 
     id: str
     owner: str
@@ -537,7 +537,7 @@ class Webhook:
 
 @dataclass(frozen=True)
 class NewWebhook:
-    """A webhook with the secret, which is told once."""
+    """A webhook with its secret, which no other answer has."""
 
     id: str
     owner: str
@@ -585,7 +585,7 @@ class PreflightModel:
     """The scene with some parts less. Errors are relative."""
 
     without: list[str]
-    """What is left out; empty: nothing."""
+    """Parts that are left out; empty: none."""
     verdict: str
     mean_bias: Interval
     """Of the mean luminance."""
@@ -618,7 +618,7 @@ class PreflightReport:
     saving: float
     """How many times faster than the full model it gets there."""
     without_effect: list[str]
-    """Parts that change nothing of what is traced."""
+    """Parts that change nothing in the traced scene."""
     document: dict[str, Any]
     """The scene document of the chosen model."""
 
@@ -647,6 +647,6 @@ class ImportedScene:
     samples: int | None
     """Per pixel, as the file says; null: it does not."""
     notes: list[str]
-    """What is expressed in another way."""
+    """Parts that are expressed differently."""
     missing: list[Problem]
-    """What was left out."""
+    """Parts that were left out."""

@@ -1,1 +1,1 @@
-"""What an API process does beside answering calls."""
+"""Work of an API process other than answering calls."""

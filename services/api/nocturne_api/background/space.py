@@ -18,7 +18,7 @@ _log = logging.getLogger(__name__)
 
 @dataclass(frozen=True)
 class StorageLimits:
-    """What is kept, and how much of it."""
+    """Bounds of the data folder: how long unused files stay, and how large it may be."""
 
     unused_seconds: float = limits.UNUSED_SECONDS
     """How long files stay that no render uses."""

@@ -28,7 +28,7 @@ class Sweeper(Background):
         self._next_unused = 0.0
 
     async def sweep(self) -> None:
-        """Now. What can't be done is told in the log, and tried again."""
+        """Sweeps now. Failures go to the log, and are tried again."""
         try:
             await asyncio.to_thread(sweep, self._folder)
         except (ObjectStoreUnavailable, OSError) as error:

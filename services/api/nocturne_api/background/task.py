@@ -1,4 +1,4 @@
-"""What an API process does beside its calls."""
+"""Work of an API process other than its calls."""
 
 import asyncio
 from abc import ABC, abstractmethod
@@ -6,7 +6,7 @@ from contextlib import suppress
 
 
 class Background(ABC):
-    """Runs from `start` until it is closed; what it is at then is cut off."""
+    """Runs from `start` until it is closed; work in hand is cut off then."""
 
     _task: asyncio.Task[None] | None = None
 

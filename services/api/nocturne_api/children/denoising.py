@@ -60,7 +60,7 @@ def denoised(channels: Mapping[str, Any]) -> Values:
     guides: dict[str, Values] = {}
     if channels.keys() >= {*albedo}:
         guides["albedo"] = np.clip(_planes(channels, albedo), 0.0, 1.0)
-        # Normals guide only beside an albedo.
+        # Normals guide only together with an albedo.
         if channels.keys() >= {*normal}:
             guides["normal"] = np.clip(_planes(channels, normal), -1.0, 1.0)
     found: Values = denoise(colour, **guides, hdr=True)

@@ -1,6 +1,6 @@
 """Asks child processes: one function for each kind, with its bounds. Jobs and answers are JSON.
 
-A child that takes too long is ended with all that it started. Of some kinds few run at once.
+A child that takes too long is ended with all that it started. Some kinds run only a few children at once.
 """
 
 import asyncio

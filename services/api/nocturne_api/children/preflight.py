@@ -52,7 +52,7 @@ def _say_nothing(what: str, steps: int) -> Callable[[], None]:
 
 
 def _link_assets(document: Any, store: BlobStore, root: Path) -> None:
-    """The scene's files, where the pilot looks for them; what it makes stays out of the data folder."""
+    """The scene's files, where the pilot looks for them; files that it makes stay out of the data folder."""
     for asset in sorted(assets_of(document)):
         digest = asset.removeprefix("sha256:")
         try:

@@ -128,7 +128,7 @@ async def _all_readable(requests: AsyncIterator[Any]) -> AsyncIterator[Any]:
             return
         yield _readable(request)
         size = 0 if request is _UNREADABLE else request.ByteSize()
-        # Time that was not used is not saved up, but for what came.
+        # Unused time is not saved up; received bytes alone add to it.
         left += size / limits.BODY_BYTES_PER_SECOND - (time.monotonic() - begun)
         left = min(max(left, 0.0), limits.BODY_SECONDS)
 

@@ -60,5 +60,5 @@ def body_of(message: Message, kind: type[_Body]) -> _Body:
 
 
 def given(message: Message, kind: type[BaseModel]) -> dict[str, Any]:
-    """Fields of the model that the message gives; what is 0 or empty is not given."""
+    """Fields of the model that the message gives; fields that are 0 or empty are not given."""
     return {field.name: value for field, value in message.ListFields() if field.name in kind.model_fields}

@@ -17,7 +17,7 @@ _PROBLEM_BYTES = 4096
 
 
 class Answering:
-    """`async with Answering(context)`: what goes wrong inside ends the call with the status of its class."""
+    """`async with Answering(context)`: an error inside ends the call with the status of its class."""
 
     def __init__(self, context: grpc.aio.ServicerContext[Any, Any]) -> None:
         self._context = context

@@ -134,7 +134,7 @@ class Measurement(Answer):
     def of(
         cls, outline: Outline, found: measuring.Measured, profile_csv: str, histogram: Histogram | None
     ) -> Self:
-        """The public side of what was measured."""
+        """The public side of a measurement."""
         return cls(
             outline=outline,
             pixels=found.pixels,
@@ -158,7 +158,7 @@ class Measurements(Answer):
 
     model_config = ConfigDict(json_schema_extra={"examples": [examples.MEASUREMENTS]})
 
-    quantity: str = Field(description="What is measured; the channel's name where it is not Y.")
+    quantity: str = Field(description="The measured quantity; the channel's name where it is not Y.")
     unit: str
     channel: str
     measurements: list[Measurement] = Field(description="In the order of the outlines.")
@@ -242,7 +242,7 @@ class Reading(Answer):
     region: Region
     quantity: str = Field(description="What Y measures; empty where it is not known.")
     unit: str = Field(description="Of X, Y and Z.")
-    response_unit: str = Field(description="Of a further response without a unit of its own.")
+    response_unit: str = Field(description="Of a further response without its own unit.")
     values: list[ReadValue] = Field(description="X, Y, Z, then the sensor's further responses by name.")
     u_prime: float | None = Field(description="CIE 1976 u' of the mean; null in the dark.")
     v_prime: float | None = Field(description="CIE 1976 v' of the mean; null in the dark.")

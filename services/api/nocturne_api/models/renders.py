@@ -16,7 +16,7 @@ from nocturne_api.models.base import Answer
 
 
 class Progress(Answer):
-    """What has been merged and committed of a render."""
+    """The merged and committed work of a render."""
 
     ranges_done: int = Field(description="Sample ranges merged.")
     ranges_planned: int = Field(description="Sample ranges of the whole render.")
@@ -123,13 +123,13 @@ class UnmetPart(Answer):
     width: int
     height: int
     part: float = Field(
-        description="At most so much (two standard errors above what a pilot found), in parts of what is "
-        "seen there."
+        description="At most so much (two standard errors above what a pilot found), relative to the "
+        "light seen there."
     )
 
 
 class RenderWarning(Answer):
-    """What whoever reads a render should know beside its error."""
+    """A warning to readers of a render, in addition to its error."""
 
     kind: WarningKind = Field(
         description="scene: the document says what can hardly be meant. layers: they could not be made. "
@@ -181,9 +181,10 @@ class Render(Answer):
         description="Whether photons from the sensor are sent to where light was learned to come from."
     )
     layers: list[str] = Field(
-        description="Layers that its EXR has beside the image: those asked for, and emission of a panorama."
+        description="Layers that its EXR has in addition to the image: those asked for, and emission of "
+        "a panorama."
     )
-    group: str = Field(description="What it was submitted with; empty: alone.")
+    group: str = Field(description="Name of its group; empty: none.")
     after: str = Field(description="The group that has to end before it begins; empty: none.")
     tags: list[str] = Field(description="Words to sort renders by.")
     out_of_reach: str = Field(
@@ -257,7 +258,7 @@ class TileInProgress(Answer):
 
 
 class TilesInProgress(Answer):
-    """What is being traced of a render, as of the last two seconds."""
+    """Tiles of a render that are being traced, as of the last two seconds."""
 
     tiles: list[TileInProgress]
 
@@ -288,7 +289,7 @@ class Group(Answer):
     ended: int = Field(description="Of these, those in a final state.")
     failed: int = Field(description="Of those that ended: failed, cancelled or degraded.")
     fraction: float = Field(
-        description="Of the work of all: sample ranges merged, where what has ended counts as whole."
+        description="Of the work of all: sample ranges merged, where a render that has ended counts as whole."
     )
     cpu_seconds: float = Field(description="Processor seconds of workers so far.")
     predicted_end: float = Field(

@@ -35,7 +35,7 @@ class ImportRequest(RequestBody):
         default="", description="Which of them is the scene. Default: the one nearest to the top."
     )
     allow_missing: bool = Field(
-        default=False, description="Leave out what has no equal here, instead of an error."
+        default=False, description="Leave out parts that are not supported here, instead of an error."
     )
     light: str = Field(
         default="",
@@ -54,8 +54,8 @@ class ImportedScene(Answer):
     width: int = Field(description="Of the file's film, pixels.")
     height: int = Field(description="Of the file's film, pixels.")
     samples: int | None = Field(description="Per pixel, as the file says; null: it does not.")
-    notes: list[str] = Field(description="What is expressed in another way.")
-    missing: list[Problem] = Field(description="What was left out.")
+    notes: list[str] = Field(description="Parts that are expressed differently.")
+    missing: list[Problem] = Field(description="Parts that were left out.")
 
 
 class PreflightRequest(RequestBody):
@@ -102,7 +102,7 @@ class Pilot(Answer):
 class PreflightModel(Answer):
     """The scene with some parts less. Errors are relative."""
 
-    without: list[str] = Field(description="What is left out; empty: nothing.")
+    without: list[str] = Field(description="Parts that are left out; empty: none.")
     verdict: str
     mean_bias: Interval = Field(description="Of the mean luminance.")
     local_bias: Interval = Field(description="Relative RMSE over pixels of the change.")
@@ -122,5 +122,5 @@ class PreflightReport(Answer):
     models: list[PreflightModel] = Field(description="Each with one part less.")
     chosen: PreflightModel = Field(description="The cheapest that stays within the target.")
     saving: float = Field(description="How many times faster than the full model it gets there.")
-    without_effect: list[str] = Field(description="Parts that change nothing of what is traced.")
+    without_effect: list[str] = Field(description="Parts that change nothing in the traced scene.")
     document: Scene = Field(description="The scene document of the chosen model.")

@@ -1,4 +1,4 @@
-"""Webhooks: addresses that are told how renders end."""
+"""Webhooks: addresses that get a message when renders end."""
 
 from dataclasses import asdict
 from typing import Self
@@ -11,7 +11,7 @@ from nocturne_api.models.base import Answer, RequestBody
 
 
 class Webhook(Answer):
-    """An address that is told how its owner's renders end."""
+    """An address that gets a message when a render of its owner ends."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [examples.WEBHOOK]})
 
@@ -28,7 +28,7 @@ class Webhook(Answer):
 
 
 class NewWebhook(Webhook):
-    """A webhook with the secret, which is told once."""
+    """A webhook with its secret, which no other answer has."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [examples.NEW_WEBHOOK]})
 
@@ -42,7 +42,7 @@ class WebhookList(Answer):
 
 
 class CreateWebhookRequest(RequestBody):
-    """An address to tell."""
+    """The address of a new webhook."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [{"url": "https://example.org/nocturne"}]})
 

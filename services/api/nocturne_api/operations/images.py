@@ -42,11 +42,11 @@ class Images:
         return await self._open(render_id, self._folder.thumbnail_path, "thumbnail")
 
     async def open_preview(self, render_id: str) -> OpenFile:
-        """The tone-mapped PNG of what is merged now; raises NotFound, also before the first preview."""
+        """The tone-mapped PNG of the samples merged so far; raises NotFound, also before the first one."""
         return await self._open(render_id, self._folder.preview_path, "preview")
 
     async def open_exr(self, render_id: str) -> OpenFile:
-        """The EXR of what is committed now; raises NotFound, also before the first samples."""
+        """The EXR of the samples committed by now; raises NotFound, also before the first samples."""
         render = await self._renders.get(render_id)
         if not render.has_ended:
             return await self._current_image(render.id)
@@ -114,7 +114,7 @@ class Denoised:
         self._one_by_one = asyncio.Lock()
 
     def close(self) -> None:
-        """Removes what is kept."""
+        """Removes the kept pictures."""
         self._kept.cleanup()
 
     async def open(self, render_id: str, name: str) -> OpenFile:

@@ -1,4 +1,4 @@
-"""Changing renders that are there: cancel, pause, resume, extend, and what goes first."""
+"""Changing renders: cancel, pause, resume, extend, priority, tags, and the region that goes first."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -15,21 +15,21 @@ from nocturne_api.operations.submission import raise_if, request_id_problems
 
 
 class RenderControls:
-    """What can be done to a render by its owner. Each call says what is to be, so repeating it is safe."""
+    """Actions of a render's owner. Each call names the wanted state, so repeating it is safe."""
 
     def __init__(self, access: FolderAccess) -> None:
         self._access = access
         self._folder = access.folder
 
     async def cancel(self, render_id: str, request_id: str = "") -> Render:
-        """Stops a render for good; what is merged stays. Raises NotFound."""
+        """Stops a render for good; merged samples stay. Raises NotFound."""
         async with self._access.changing("cancel", render_id, request_id) as whole_id:
             if request_id:
                 raise_if(request_id_problems(request_id))
             return Render.of(await self._access.in_database(self._folder.requests.cancel, whole_id))
 
     async def pause(self, render_id: str) -> Render:
-        """No more work until it is resumed; what is merged stays. Raises NotFound, WrongState."""
+        """Stops work on a render until it is resumed; merged samples stay. Raises NotFound, WrongState."""
         async with self._access.changing("pause", render_id) as whole_id:
             return Render.of(await self._access.in_database(self._folder.requests.pause, whole_id))
 

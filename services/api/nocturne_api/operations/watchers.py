@@ -1,4 +1,4 @@
-"""Who is told of changes: one poller per process, any number of watchers, each holding newest states only.
+"""Watchers of changes: one poller per process, any number of watchers, each holding newest states only.
 
 A watcher that reads slowly skips states, never queues them: what it waits on is a slot per render that every
 change overwrites. The poller runs only while somebody watches.
@@ -54,7 +54,7 @@ class Watcher:
         self.close()
 
     async def next(self) -> Render | None:
-        """The next state, waiting for one; None when the stream is over. Raises what it was shut for."""
+        """The next state, waiting for one; None when the stream is over. Raises the error that shut it."""
         while not self._newest:
             if self._why is not None:
                 raise self._why
@@ -68,7 +68,7 @@ class Watcher:
         return render
 
     def forget_except(self, render_ids: Iterable[str]) -> None:
-        """Drops what is known of renders that are no longer in sight, so that memory stays bounded."""
+        """Drops the states of renders that are no longer in sight, so that memory stays bounded."""
         kept = set(render_ids)
         self._sent = {key: value for key, value in self._sent.items() if key in kept}
 

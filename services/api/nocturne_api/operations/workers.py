@@ -91,7 +91,7 @@ class Machines:
         self._access = access
 
     async def enrol(self) -> Enrolment:
-        """Makes the caller's machine one of the service's, or tells it again what it was told. Raises
+        """Makes the caller's machine one of the service's, or gives the same answer as before. Raises
         InputError."""
         caller = CALLER.get()
         caller.need("worker")

@@ -87,7 +87,7 @@ def _example(kind: Kind) -> Mapping[str, Any]:
 
 _ABOUT = (
     "Renders scenes into spectral images in absolute units, with error bars.\n\n"
-    "Errors are problem details (RFC 9457) with a `reason` for programs and the places of what is wrong. "
+    "Errors are problem details (RFC 9457) with a `reason` for programs and the places of all problems. "
     "Times are Unix times in seconds. Calls with a `request_id` are safe to repeat."
 )
 _TAGS = {
@@ -99,7 +99,7 @@ _TAGS = {
     "imports": "Scenes of other renderers, made scene documents.",
     "assets": "Files by SHA-256; scenes refer to them as `sha256:...`.",
     "workers": "Who traces, and who gets no jobs.",
-    "webhooks": "Addresses that are told how renders end (standardwebhooks.com).",
+    "webhooks": "Addresses that get a message when renders end (standardwebhooks.com).",
     "session": "Who calls, and the page's cookie.",
     "health": "For orchestrators and Prometheus.",
 }

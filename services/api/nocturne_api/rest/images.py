@@ -31,7 +31,7 @@ _TILES = {
 
 @router.get("/{render_id}/preview.png", response_class=Response, responses=_PNG)
 async def get_preview(render_id: str, request: Request, operations: Service) -> Response:
-    """The tone-mapped PNG of what is merged now."""
+    """The tone-mapped PNG of the samples merged by now."""
     return _answer(request, await operations.images.open_preview(render_id), "image/png")
 
 
@@ -89,13 +89,13 @@ async def get_learned_light(
 
 @router.get("/{render_id}/image.exr", response_class=Response, responses=_EXR)
 async def get_image(render_id: str, request: Request, operations: Service) -> Response:
-    """EXR: all quantities, their errors, n; of what is committed now, and final after the end."""
+    """EXR: all quantities, their errors, n; of the samples committed by now, and final after the end."""
     return _answer(request, await operations.images.open_exr(render_id), "image/x-exr")
 
 
 @router.get("/{render_id}/denoised.exr", response_class=Response, responses=_EXR)
 async def get_denoised_exr(render_id: str, request: Request, operations: Service) -> Response:
-    """EXR of a denoised picture of what is committed now, to look at: its values are no measurement.
+    """EXR of a denoised picture of the image as it is now, to look at: its values are no measurement.
 
     Layers `denoised`, linear sRGB, and `difference`, from the true image in error bars. 404 where the service
     has no denoiser.

@@ -1,4 +1,4 @@
-"""Image files from elsewhere, which the page shows beside a render."""
+"""Image files from elsewhere, which the page compares with a render."""
 
 import asyncio
 from collections.abc import Iterator

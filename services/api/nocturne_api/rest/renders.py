@@ -124,14 +124,14 @@ async def get_group(name: str, operations: Service) -> Group:
 
 @router.post("/renders/{render_id}:cancel", openapi_extra=_ACTION, responses=_OF_ONE)
 async def cancel_render(render_id: str, request: Request, operations: Service) -> Render:
-    """Stops a render; what was merged stays and can be fetched. Changes nothing on an ended render."""
+    """Stops a render; merged samples stay and can be fetched. Changes nothing on an ended render."""
     body = await _action(request)
     return await operations.controls.cancel(render_id, body.request_id)
 
 
 @router.post("/renders/{render_id}:pause", openapi_extra=_ACTION, responses=_OF_ONE_IN_A_STATE)
 async def pause_render(render_id: str, request: Request, operations: Service) -> Render:
-    """No more work until it is resumed; what is merged stays."""
+    """Stops work on a render until it is resumed; merged samples stay."""
     await _action(request)
     return await operations.controls.pause(render_id)
 
@@ -149,7 +149,7 @@ async def resume_render(render_id: str, request: Request, operations: Service) -
     responses=errors(NotFound, AmbiguousId, WrongState, QuotaUsedUp),
 )
 async def extend_render(render_id: str, request: Request, operations: Service) -> Render:
-    """More samples or other conditions, also after the end; what is not named stays as it is."""
+    """More samples or other conditions, also after the end; all others stay as they are."""
     body = await read_json(request, ExtendRenderRequest, SMALL_BODY_BYTES)
     return await operations.controls.extend(render_id, body.samples, body.stop, body.drop)
 

@@ -27,6 +27,6 @@ async def list_webhooks(operations: Service) -> WebhookList:
 
 @router.delete("/{webhook_id}", status_code=204, response_class=Response, responses=errors(NotFound))
 async def delete_webhook(webhook_id: str, operations: Service) -> Response:
-    """Tells it nothing more."""
+    """Deletes a webhook: its address gets no more messages."""
     await operations.webhooks.delete(webhook_id)
     return Response(status_code=204)

@@ -147,7 +147,7 @@ def body_of(message: WebhookMessage) -> bytes:
 
 
 def headers_of(message: WebhookMessage, now: float) -> dict[str, str]:
-    """Signed at the time of the attempt, for receivers refuse what is old."""
+    """Signed at the time of the attempt, for receivers refuse old ones."""
     signer = Signer(message.secret)
     at = datetime.fromtimestamp(int(now), UTC)
     return {
