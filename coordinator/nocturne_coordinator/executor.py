@@ -58,8 +58,6 @@ class Executor:
                 self._dispatcher.tell_workers(instruction.reasons)
             case do.IsOpen():
                 return self._is_open(instruction.render_id)
-            case do.LetGo():
-                self._let_go(instruction)
             case do.WriteBundle():
                 self._write_bundle(instruction)
             case _:
@@ -92,8 +90,10 @@ class Executor:
             case do.Recut():
                 ledger.commits.recut(instruction.render_id, instruction.fence, instruction.schedule)
             case do.Quarantine():
-                ledger.workers.quarantine(instruction.worker, instruction.reason, self._clock.moment().unix)
-                return ledger.workers.distrust(instruction.worker) if instruction.lied else []
+                unix, worker = self._clock.moment().unix, instruction.worker
+                return ledger.workers.quarantine(worker, instruction.reason, unix, instruction.lied)
+            case do.LetGo():
+                ledger.leases.let_go(instruction.render_id, instruction.fence)
             case do.RecordError():
                 point, in_history = instruction.point, instruction.in_history
                 ledger.commits.record_preview(instruction.render_id, instruction.fence, point, in_history)
@@ -123,12 +123,6 @@ class Executor:
             return self._ledger.renders.is_open(render_id)
         except sqlite3.Error:
             return True
-
-    def _let_go(self, instruction: do.LetGo) -> None:
-        try:
-            self._ledger.leases.let_go(instruction.render_id, instruction.fence)
-        except (sqlite3.Error, OSError) as trouble:
-            _log.info("render=%s: the lease runs out by itself: %s", instruction.render_id, trouble)
 
     def _write_bundle(self, instruction: do.WriteBundle) -> None:
         render, failed = self._renders[instruction.render_id], instruction.failed

@@ -200,16 +200,13 @@ class MemoryLedger(Ledger):
             ran_seconds=commit.ran_seconds,
         )
 
-    def quarantine(self, worker_id: str, reason: str, now: float) -> None:
-        with self._owned():
-            self._store.bad_workers[worker_id] = reason
-
-    def distrust(self, worker_id: str) -> list[str]:
+    def quarantine(self, worker_id: str, reason: str, now: float, lied: bool = False) -> list[str]:
         found = []
         with self._owned():
+            self._store.bad_workers.setdefault(worker_id, reason)
             for stored in self._store.stored.values():
                 spoilt = [index for index, workers in stored.contributors.items() if worker_id in workers]
-                if not spoilt:
+                if not (spoilt and lied):
                     continue
                 if stored.row.state.has_image:
                     manifest = [0] * stored.planned.grid.count

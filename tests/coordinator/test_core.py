@@ -150,7 +150,7 @@ def test_a_render_that_a_commit_finds_lost_is_left_to_its_new_owner() -> None:
     shell.answers[do.Commit] = lambda _: CommitDone(shell.now, ("r",))
     shell.answers[do.IsOpen] = lambda _: True
     # Neither its jobs nor its results are touched.
-    assert kinds(shell.tell(Tick(at(0.5)))) == ["Commit", "IsOpen", "LetGo", "LookAgain"]
+    assert kinds(shell.tell(Tick(at(0.5)))) == ["Commit", "IsOpen", "LookAgain", "LetGo"]
     assert shell.core.state.renders == {}
 
 

@@ -280,5 +280,5 @@ def test_a_tile_of_a_liar_takes_all_forward_photons_with_it(
     rows = [TileRow(0, 4, b"x", own=b"x", photons=b"x"), TileRow(1, 4, b"x", own=b"x", photons=b"x")]
     workers = {0: ["liar"], 1: ["honest"], PHOTONS: ["honest"]}
     _commit(ledger, render, [*rows, TileRow(PHOTONS, 1, b"")], workers)
-    ledger.workers.distrust("liar")
+    ledger.workers.quarantine("liar", "It lied.", 1.0, lied=True)
     assert folder.tiles.manifest(render[0]) == (0, 4, 0, 0, 0)

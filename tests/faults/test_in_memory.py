@@ -5,9 +5,11 @@ Each runs in milliseconds, so each runs at every place and with many seeds; the 
 every event. The same rows on real processes: the other files here. One file, though long: it is the matrix of
 docs/explanation/reliability.md in its order, to be read together with it."""
 
+import sqlite3
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,6 +22,7 @@ from nocturne_coordinator.dispatch.stopping import StopConditions
 from nocturne_coordinator.replay import read_lines, replay
 from nocturne_scene.ranges import extended_schedule
 
+from tests.coordinator.memory_store import MemoryLedger
 from tests.coordinator.simulated_worker import Shuffled
 from tests.coordinator.test_result_handler import SPOILT
 from tests.coordinator.world import Crashed, World
@@ -277,6 +280,39 @@ def test_a_liar_is_found_and_its_work_done_again() -> None:
     world.check_survived(render)
     assert list(world.store.bad_workers) == [liar.name]
     world.check_survived(before)
+
+
+def test_a_liar_is_found_while_the_folder_refuses_to_note_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """L1, C3: what two others have proved is not forgotten, though three writes of it fail."""
+    refused = 0
+    works = MemoryLedger.quarantine
+
+    def quarantine(self: MemoryLedger, *of: Any, **named: Any) -> list[str]:
+        nonlocal refused
+        refused += 1
+        if refused <= 3:
+            raise sqlite3.OperationalError("database or disk is full")
+        return works(self, *of, **named)
+
+    lied: dict[str, tuple[int, int]] = {}
+
+    def wrong_once(result: job_pb2.JobResult) -> list[job_pb2.JobResult | bytes]:
+        """In its first job, whenever it is asked for that."""
+        job = (result.job.tile_index, result.job.first_sample)
+        if job == lied.setdefault("job", job):
+            result.partial.sums = np.nextafter(np.frombuffer(result.partial.sums, "<f8"), np.inf).tobytes()
+        return [result]
+
+    monkeypatch.setattr(MemoryLedger, "quarantine", quarantine)
+    world = World(settings=Settings(commit_seconds=0.1, audit_share=1.0, audit_share_new=1.0))
+    world.start()
+    liar = world.worker(wrong_once)
+    for _ in range(2):
+        world.worker()
+    # Who is not known to work is not audited.
+    world.run(5.0)
+    world.check_survived(world.create(400))
+    assert (list(world.store.bad_workers), refused > 3) == ([liar.name], True)
 
 
 def test_honest_workers_agree() -> None:

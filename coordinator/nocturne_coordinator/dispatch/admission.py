@@ -20,6 +20,7 @@ from nocturne_coordinator.dispatch.instructions import (
     EndRender,
     Log,
     LookAgain,
+    Quarantine,
     ReadRenders,
     ReadTiles,
     Recut,
@@ -64,7 +65,8 @@ class Admission:
 
     def _follow(self, event: RendersSeen) -> Steps[bool]:
         state, at = self._state, event.at
-        state.fleet.quarantined, state.fleet.drained = event.quarantined, event.drained
+        owed = {each.worker: each.reason for each in state.owed if isinstance(each, Quarantine)}
+        state.fleet.quarantined, state.fleet.drained = {**event.quarantined, **owed}, event.drained
         rows = {row.id: row for row in event.renders}
         for render in [each for each in state.renders.values() if _is_lost(each, rows)]:
             yield from self._commits.lose(render.id)

@@ -13,6 +13,7 @@ from nocturne_coordinator.dispatch.instructions import (
     LetGo,
     Log,
     LookAgain,
+    Quarantine,
     RecordError,
     Steps,
     Withdraw,
@@ -82,6 +83,26 @@ class Commits:
         state.settled.clear()
         yield from self._show(at)
 
+    def write_owed(self, at: Moment) -> Steps[None]:
+        """Writes what the folder is to know besides sums; what fails is owed still."""
+        owed, renders = self._state.owed, self._state.renders
+        # What a worker did is committed before it is thrown away: all of it is found then.
+        if any(isinstance(each, Quarantine) for each in owed) and not (yield from self.commit(at)):
+            return
+        try:
+            while owed:
+                distrusted = yield owed[0]
+                match owed.pop(0):
+                    case Quarantine(worker):
+                        for render_id in distrusted:
+                            line = f"render={render_id} tiles with work of {worker=!s} are traced anew"
+                            yield Log(ERROR, line)
+                            if render_id in renders:
+                                yield from self.drop(render_id)
+                            yield LookAgain()
+        except FolderTrouble as trouble:
+            yield from self.report(trouble)
+
     def lose(self, render_id: str) -> Steps[None]:
         """Another coordinator has the render, or its sums were changed: jobs and results are not ours any
         more. Those of a render that was deleted are nobody's."""
@@ -109,7 +130,7 @@ class Commits:
             if jobs:
                 yield Withdraw(tuple(jobs), stop=True)
             state.settled.setdefault(render_id, []).extend(render.waiting_entries())
-        yield LetGo(render_id, render.row.fence)
+        state.owed.append(LetGo(render_id, render.row.fence))
 
     # --- what people look at ---
 

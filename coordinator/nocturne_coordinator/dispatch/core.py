@@ -26,7 +26,6 @@ from nocturne_coordinator.dispatch.instructions import (
     ERROR,
     IsOpen,
     Log,
-    LookAgain,
     Quarantine,
     Steps,
     TellWorkers,
@@ -37,7 +36,6 @@ from nocturne_coordinator.dispatch.result_handler import Outcome, ResultHandler
 from nocturne_coordinator.dispatch.state import Settings, State
 from nocturne_coordinator.dispatch.validation import validate_state
 from nocturne_coordinator.dispatch.window import Window
-from nocturne_coordinator.errors import FolderTrouble
 
 _FIRST_LIGHT_SECONDS = 0.05
 """From a render's first result to its commit: somebody may be waiting to see that it is the right scene."""
@@ -73,7 +71,7 @@ class Core:
                 yield from self._tick(event.at)
             case ResultCame():
                 outcome = self.results.take(event.entry, event.data, event.at.now, event.draw, event.refusal)
-                yield from self._follow(outcome, event.at)
+                yield from self._follow(outcome)
             case StreamIsReady():
                 yield from self.window.fill(event.at)
             case WorkersSeen():
@@ -91,7 +89,7 @@ class Core:
 
     def _tick(self, at: Moment) -> Steps[None]:
         while self.state.lost:
-            yield from self._follow(self.results.lost_worker(*self.state.lost.pop()), at)
+            yield from self._follow(self.results.lost_worker(*self.state.lost.pop()))
         yield from self._admission.start_odd_ones_anew(at)
         yield from self._admission.cut_long_ranges(at)
         yield from self._endings.finish(at)
@@ -100,8 +98,10 @@ class Core:
             state.next_commit = min(state.next_commit, at.now + _FIRST_LIGHT_SECONDS)
         if at.now >= state.next_commit:
             yield from self._commits.commit(at)
+        if state.owed and not state.folder_trouble:
+            yield from self._commits.write_owed(at)
 
-    def _follow(self, outcome: Outcome, at: Moment) -> Steps[None]:
+    def _follow(self, outcome: Outcome) -> Steps[None]:
         """Does what a result calls for."""
         yield from outcome.lines
         if outcome.unknown_render:
@@ -117,30 +117,14 @@ class Core:
         self.state.failed.update(outcome.failed)
         for render_id, failed in outcome.failed_tiles:
             yield WriteBundle(render_id, failed)
-        for worker in outcome.quarantined.keys() - self.state.fleet.quarantined.keys():
-            yield from self._put_in_quarantine(
-                worker, outcome.quarantined[worker], worker in outcome.liars, at
-            )
-
-    def _put_in_quarantine(self, worker: str, reason: str, lied: bool, at: Moment) -> Steps[None]:
-        yield Log(ERROR, f"worker={worker} is in quarantine: {reason}")
         fleet = self.state.fleet
-        fleet.quarantined = {**fleet.quarantined, worker: reason}
-        yield TellWorkers(fleet.without_jobs())
-        if not (yield from self._commits.commit(at)):
-            # It is still in quarantine here; should this process die now, another audit finds it.
-            return
-        try:
-            distrusted: list[str] = yield Quarantine(worker, reason, lied)
-        except FolderTrouble as trouble:
-            yield from self._commits.report(trouble)
-            return
-        for render_id in distrusted:
-            yield Log(ERROR, f"render={render_id} tiles with work of worker={worker} are traced anew")
-            if render_id in self.state.renders:
-                yield from self._commits.drop(render_id)
-        if distrusted:
-            yield LookAgain()
+        for worker, reason in outcome.quarantined.items():
+            lied = worker in outcome.liars
+            if lied or worker not in fleet.quarantined:
+                self.state.owed.append(Quarantine(worker, reason, lied))
+                fleet.quarantined = {**fleet.quarantined, worker: reason}
+                yield Log(ERROR, f"worker={worker} is in quarantine: {reason}")
+                yield TellWorkers(fleet.without_jobs())
 
     def validate_state(self) -> None:
         """InvalidState if a range is in two places or in none, or a bound is passed; for tests."""

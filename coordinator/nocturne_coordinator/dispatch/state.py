@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from nocturne_coordinator.dispatch.audit import NEW_SHARE, SHARE, Auditor
 from nocturne_coordinator.dispatch.failure_policy import FailurePolicy
 from nocturne_coordinator.dispatch.fleet import Fleet
+from nocturne_coordinator.dispatch.instructions import LetGo, Quarantine
 from nocturne_coordinator.dispatch.job_cost import JOB_SECONDS
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.scheduler import MIN_OVERDUE, JobKey, Scheduler
@@ -53,6 +54,8 @@ class State:
     """Renders that most workers can't help with, and since when."""
     folder_trouble: bool = False
     """The last commit failed: no new jobs until one works again, as merged results pile up in Redis."""
+    owed: list[LetGo | Quarantine] = field(default_factory=list)
+    """What must be written to the folder besides sums: it stays here until that has worked."""
     next_commit: float = 0.0
 
     @classmethod

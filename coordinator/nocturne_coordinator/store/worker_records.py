@@ -32,52 +32,52 @@ class WorkerRecords:
         by = {row["worker_id"]: f", by {row['who']}" if row["who"] else "" for row in rows}
         return {worker: f"It is drained{who}." for worker, who in by.items()}
 
-    def quarantine(self, worker_id: str, reason: str, now: float) -> None:
-        """Takes no more results of a worker, until somebody releases it."""
+    def quarantine(self, worker_id: str, reason: str, now: float, lied: bool = False) -> list[str]:
+        """Takes no more results of a worker, until somebody releases it.
+
+        Of one that `lied` all tiles with work of its are thrown away; gives their renders. One that had ended
+        is worked on again, until each tile has the samples that it had. Whoever has one of them in memory has
+        lost it.
+        """
         with self._leases.owned(durable=True):
             if self._database.execute(
                 "INSERT OR IGNORE INTO quarantine VALUES (?, ?, ?)", (worker_id, reason, now)
             ):
                 note_worker(self._database, now, worker_id, "quarantined", reason)
+            return self._distrust(worker_id) if lied else []
 
-    def distrust(self, worker_id: str) -> list[str]:
-        """Throws away all tiles with work of a worker; gives their renders.
-
-        A render that had ended is worked on again, until each tile has the samples that it had. Whoever has
-        one of them in memory has lost it.
-        """
-        with self._leases.owned(durable=True):
-            rows = self._database.rows(
-                """SELECT DISTINCT render_id, state FROM contribution JOIN render ON render.id = render_id
-                   WHERE worker_id = ?""",
-                (worker_id,),
+    def _distrust(self, worker_id: str) -> list[str]:
+        rows = self._database.rows(
+            """SELECT DISTINCT render_id, state FROM contribution JOIN render ON render.id = render_id
+               WHERE worker_id = ?""",
+            (worker_id,),
+        )
+        for row in rows:
+            if RenderState(row["state"]).ended:
+                self._reopen(row["render_id"], worker_id)
+            self._database.execute(
+                """DELETE FROM tile WHERE render_id = ? AND tile_index IN
+                   (SELECT tile_index FROM contribution WHERE render_id = ? AND worker_id = ?)""",
+                (row["render_id"], row["render_id"], worker_id),
             )
-            for row in rows:
-                if RenderState(row["state"]).ended:
-                    self._reopen(row["render_id"], worker_id)
-                self._database.execute(
-                    """DELETE FROM tile WHERE render_id = ? AND tile_index IN
-                       (SELECT tile_index FROM contribution WHERE render_id = ? AND worker_id = ?)""",
-                    (row["render_id"], row["render_id"], worker_id),
-                )
-                # A tile's row has the forward photons that fell on it: without it none are whole.
-                self._database.execute(
-                    """DELETE FROM tile WHERE render_id = ?1
-                       AND tile_index = (SELECT tiles FROM render WHERE id = ?1)""",
-                    (row["render_id"],),
-                )
-                self._database.execute(
-                    """DELETE FROM contribution WHERE render_id = ? AND tile_index NOT IN
-                       (SELECT tile_index FROM tile WHERE render_id = ?)""",
-                    (row["render_id"], row["render_id"]),
-                )
-                self._database.execute(
-                    "UPDATE render SET image_final = 0, sequence = sequence + 1 WHERE id = ?",
-                    (row["render_id"],),
-                )
-                self._database.execute(
-                    "UPDATE lease SET fence = fence + 1 WHERE render_id = ?", (row["render_id"],)
-                )
+            # A tile's row has the forward photons that fell on it: without it none are whole.
+            self._database.execute(
+                """DELETE FROM tile WHERE render_id = ?1
+                   AND tile_index = (SELECT tiles FROM render WHERE id = ?1)""",
+                (row["render_id"],),
+            )
+            self._database.execute(
+                """DELETE FROM contribution WHERE render_id = ? AND tile_index NOT IN
+                   (SELECT tile_index FROM tile WHERE render_id = ?)""",
+                (row["render_id"], row["render_id"]),
+            )
+            self._database.execute(
+                "UPDATE render SET image_final = 0, sequence = sequence + 1 WHERE id = ?",
+                (row["render_id"],),
+            )
+            self._database.execute(
+                "UPDATE lease SET fence = fence + 1 WHERE render_id = ?", (row["render_id"],)
+            )
         return [row["render_id"] for row in rows]
 
     def _reopen(self, render_id: str, worker_id: str) -> None:
