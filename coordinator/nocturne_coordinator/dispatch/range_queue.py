@@ -7,8 +7,9 @@ from heapq import heappop, heappush
 
 from nocturne_coordinator.limits import RANGES_AHEAD
 
-TOGETHER, TOGETHER_IN_FLOOD = 2, 8
-"""Ranges of a tile, after its first, that are given out one after the other."""
+TOGETHER = 2
+"""Ranges of a tile, after its first, that are given out one after the other: short ones are then merged while
+the tile's sums are at hand. More would leave other tiles behind for too long (decision 0131)."""
 
 
 class RangeState(IntEnum):
@@ -90,9 +91,6 @@ class RangeQueue:
     """Tiles that somebody wants to see first; empty: all are alike."""
     in_flight: int = 0
     """Ranges that are published or held."""
-    together: int = TOGETHER
-    """Of later ranges, how many of a tile come one after the other: short ones are then merged while the
-    tile's sums are at hand, and written once for all of them."""
 
     def __post_init__(self) -> None:
         self.order(frozenset())
@@ -151,18 +149,16 @@ class RangeQueue:
             # Every tile's first range goes before all others: there is always a whole frame.
             may_wait = bool(self.first) and index > 0 and tile not in self.first
             forward = self._forward(tile)
-            turn = self._turn_of(forward.turns[index] if forward else index)
+            turn = forward.turns[index] if forward else index
+            if turn > 0:
+                # The first of those that come together.
+                turn -= (turn - 1) % TOGETHER
             heappush(self.ready, (may_wait, turn, forward is None, tile, index))
 
     def _next_of(self, tile: int) -> int:
         done, forward = self.done(tile), self._forward(tile)
         ahead = forward.ahead if forward else RANGES_AHEAD
         return self.states[tile].find(_PLANNED, done, min(done + ahead, self.horizon[tile]))
-
-    def _turn_of(self, range_index: int) -> int:
-        """The first of those that come together, so that runs of any length go before each other as they
-        should."""
-        return 1 + (range_index - 1) // self.together * self.together if range_index else 0
 
     def _forward(self, tile: int) -> ForwardRanges | None:
         return self.forward if self.forward and tile == self.forward.tile else None

@@ -11,8 +11,6 @@ from statistics import median
 from typing import NamedTuple
 
 from nocturne_coordinator.dispatch.range_queue import (
-    TOGETHER,
-    TOGETHER_IN_FLOOD,
     FairShare,
     ForwardRanges,
     RangeQueue,
@@ -33,10 +31,6 @@ well."""
 SLOW_FACTOR = 3.0
 
 _REMEMBERED_TIMES = 101
-
-_FLOOD = 50
-"""Results that come between two times that jobs are published: nearly as many as are read at once. The
-workers wait for the coordinator then, and no range takes longer than it takes to merge it."""
 
 
 class JobKey(NamedTuple):
@@ -70,8 +64,6 @@ class Scheduler:
         self._owners: dict[str, FairShare] = {}
         self._outstanding: dict[JobKey, Published] = {}
         self._times: deque[float] = deque(maxlen=_REMEMBERED_TIMES)
-        self._came = 0
-        """Results since jobs were last taken."""
 
     # --- events ---
 
@@ -133,7 +125,6 @@ class Scheduler:
     def received(self, key: JobKey, now: float) -> list[bytes]:
         """A job's result came and is usable; `completed` follows for what it completes. Gives copies to
         delete."""
-        self._came += 1
         if self.state_of(key) not in (RangeState.PLANNED, RangeState.PUBLISHED):
             return []
         if key in self._outstanding:
@@ -207,10 +198,6 @@ class Scheduler:
         Where there is no room, and most of what is in flight waits for earlier ranges, it is these, whatever
         the count: nothing else would ever make room.
         """
-        together = TOGETHER_IN_FLOOD if self._came >= _FLOOD else TOGETHER
-        self._came = 0
-        for queue in self._queues.values():
-            queue.together = together
         if count <= 0:
             return self._waited_for() if self.in_flight > 2 * len(self._outstanding) else []
         jobs: list[JobKey] = []
