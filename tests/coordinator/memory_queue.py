@@ -1,4 +1,4 @@
-"""Redis and workers in memory, by a virtual clock."""
+"""Redis and workers in memory, by a virtual clock; `test_queue_contract.py` compares it with the real one."""
 
 import random
 from collections.abc import Callable, Iterable, Mapping
@@ -9,7 +9,7 @@ from nocturne_coordinator.clock import Clock
 from nocturne_coordinator.dispatch.events import Moment
 from nocturne_coordinator.dispatch.liveness import Holder
 from nocturne_coordinator.errors import QueueError
-from nocturne_coordinator.queue.job_queue import Entry, JobQueue, ResultEntry, Session
+from nocturne_coordinator.queue.job_queue import SESSION_SECONDS, Entry, JobQueue, ResultEntry, Session
 
 from tests.coordinator.simulated_worker import Alter, simulated_result, unaltered
 
@@ -73,6 +73,7 @@ class MemoryQueue(JobQueue):
         self.statuses: dict[str, tuple[bytes, float]] = {}
         self.without_jobs: dict[str, float] = {}
         self.runs: set[str] = set()
+        self.session = b"", 0.0
         self.is_down = False
         self.lost_answers: Callable[[], bool] = lambda: False
         """Whether a call of the coordinator happens and its answer is lost."""
@@ -86,6 +87,7 @@ class MemoryQueue(JobQueue):
             each.clear()
         self.delivered.clear()
         self.runs.clear()
+        self.session = b"", 0.0
 
     def check_up(self) -> None:
         if self.is_down:
@@ -103,6 +105,9 @@ class MemoryQueue(JobQueue):
 
     def attend(self, session: Session) -> bool:
         self.check_up()
+        now = self._clock.now
+        session.check(self.session[0] if self.session[1] > now else None)
+        self.session = session.text, now + SESSION_SECONDS
         known = session.nonce in self.runs
         self.runs.add(session.nonce)
         self._answered()
@@ -111,6 +116,8 @@ class MemoryQueue(JobQueue):
     def give_up_session(self, session: Session) -> None:
         self.check_up()
         self.runs.discard(session.nonce)
+        if not session.shared and self.session[0] == session.text:
+            self.session = b"", 0.0
 
     def publish(self, jobs: Iterable[bytes]) -> list[bytes]:
         self.check_up()
@@ -175,7 +182,7 @@ class MemoryQueue(JobQueue):
     def keep_in_quarantine(self, workers: Mapping[str, str]) -> None:
         self.check_up()
         for worker in workers:
-            self.without_jobs[worker] = self._clock.now + STATUS_SECONDS
+            self.without_jobs[worker] = self._clock.now + SESSION_SECONDS
 
     # --- as workers see it ---
 
