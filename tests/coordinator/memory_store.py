@@ -1,60 +1,102 @@
-"""The data folder in memory, as far as coordinators use it."""
+"""The data folder in memory, as far as coordinators use it: its real database, by a virtual clock."""
 
-import copy
 import sqlite3
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
-from typing import Any
+from pathlib import Path
+from typing import Any, cast
 
-import numpy as np
 from nocturne.v1 import job_pb2
 from nocturne_coordinator.dispatch.planned_render import PlannedRender
-from nocturne_coordinator.dispatch.records import (
-    ErrorPoint,
-    FailedTile,
-    OpenRender,
-    RenderCommit,
-    RenderState,
-    TileRow,
-    Totals,
-    WorkerRow,
-)
+from nocturne_coordinator.dispatch.records import FailedTile, OpenRender, RenderCommit, RenderState, TileRow
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.stopping import StopConditions
-from nocturne_coordinator.errors import LeaseLost, OwnershipLost
 from nocturne_coordinator.output.previews import Previews
+from nocturne_coordinator.store.commits import Commits
 from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_coordinator.store.database import Database
+from nocturne_coordinator.store.leases import Leases
 from nocturne_coordinator.store.ledger import Ledger
+from nocturne_coordinator.store.open_renders import _COLUMNS, OpenRenders
+from nocturne_coordinator.store.ownership import Ownership
+from nocturne_coordinator.store.removals import Removals
+from nocturne_coordinator.store.render_requests import RenderRequests
+from nocturne_coordinator.store.renders import Renders
+from nocturne_coordinator.store.tiles import Tiles
+from nocturne_coordinator.store.workers import Workers
+from nocturne_scene.ranges import ranges_planned
 
 from tests.coordinator.memory_queue import VirtualClock
 
 SCENE = "5c" * 32
 
+_UNIX_EPOCH = 2440587.5
+"""As a Julian date."""
 
-@dataclass
+
+class MemoryDatabase(Database):
+    """In memory, and full when it is told so."""
+
+    def __init__(self, clock: VirtualClock) -> None:
+        self.is_full = False
+        super().__init__(Path(":memory:"))
+        # In place of SQLite's own: queries ask whose lease holds now.
+        self._connection.create_function("julianday", 1, lambda _: _UNIX_EPOCH + clock.moment().unix / 86400)
+
+    @contextmanager
+    def transaction(self, durable: bool = True) -> Iterator[None]:
+        if self.is_full:
+            raise sqlite3.OperationalError("database or disk is full")
+        with super().transaction(durable):
+            yield
+
+
 class Stored:
-    """A render as the data folder has it."""
+    """A render as the folder has it."""
 
-    row: OpenRender
-    tiles: dict[int, TileRow] = field(default_factory=dict)
-    contributors: dict[int, set[str]] = field(default_factory=dict)
-    coordinator: int = 0
-    reason: str = ""
-    final_image: dict[int, tuple[int, bytes]] | None = None
-    errors: list[ErrorPoint] = field(default_factory=list)
+    def __init__(self, store: "Store", render_id: str) -> None:
+        self._store, self._id = store, render_id
+        self._leases = cast(Leases, None)
+
+    @property
+    def row(self) -> OpenRender:
+        database = self._store.database
+        row = database.row(f"SELECT {_COLUMNS} FROM render WHERE id = ?", (self._id,))  # noqa: S608
+        assert row is not None
+        return OpenRenders(database, self._leases)._open_render(row)
+
+    @property
+    def tiles(self) -> dict[int, TileRow]:
+        rows = OpenRenders(self._store.database, self._leases).tiles(self._id)
+        return {tile.tile_index: tile for tile in rows}
+
+    @property
+    def contributors(self) -> dict[int, set[str]]:
+        found: dict[int, set[str]] = {}
+        for row in self._store.database.rows("SELECT * FROM contribution WHERE render_id = ?", (self._id,)):
+            found.setdefault(row["tile_index"], set()).add(row["worker_id"])
+        return found
 
     @property
     def planned(self) -> PlannedRender:
-        return PlannedRender(self.row.id, self.row.schedule, bytes.fromhex(SCENE), job_pb2.ENGINE_CURRENT)
+        schedule = self._store.renders.schedule(self._id)
+        return PlannedRender(self._id, schedule, bytes.fromhex(SCENE), job_pb2.ENGINE_CURRENT)
+
+    @property
+    def state(self) -> RenderState:
+        return self._store.renders.get(self._id).state
+
+    @property
+    def reason(self) -> str:
+        return self._store.renders.get(self._id).reason
 
     @property
     def ranges_done(self) -> int:
-        return sum(self.planned.ranges.merged_at(tile.samples) for tile in self.tiles.values())
+        return self._store.renders.get(self._id).ranges_done
 
     @property
     def ranges_planned(self) -> int:
-        return self.planned.grid.count * len(self.planned.ranges)
+        return self._store.renders.get(self._id).ranges_planned
 
 
 class Store(DataFolder):
@@ -62,227 +104,102 @@ class Store(DataFolder):
 
     def __init__(self, clock: VirtualClock) -> None:
         self.clock = clock
-        self.stored: dict[str, Stored] = {}
-        self.bad_workers: dict[str, str] = {}
-        self.until: dict[int, float] = {}
-        self.changes = 0
-        self.is_full = False
-        self.owner_epoch = 1
+        self.database: MemoryDatabase = MemoryDatabase(clock)
+        self.tiles = Tiles(self.database)
+        self.renders = Renders(self.database, lambda _: None)
+        self.requests = RenderRequests(self.database, self.renders, self.tiles)
+        self.workers = Workers(self.database)
+        self.removals = Removals(self.database)
         self.bundles: list[tuple[str, FailedTile]] = []
+        self.images: dict[str, dict[int, tuple[int, bytes]]] = {}
+        """Final ones, by render: of each tile its samples and sums."""
 
-    def change_counter(self) -> int:
-        return self.changes
+    @property
+    def stored(self) -> dict[str, Stored]:
+        rows = self.database.rows("SELECT id FROM render ORDER BY number")
+        return {row["id"]: Stored(self, row["id"]) for row in rows}
 
-    def change(self, render_id: str, **values: object) -> None:
-        stored = self.stored[render_id]
-        stored.row = replace(stored.row, **values)  # type: ignore[arg-type]
-        self.changes += 1
+    @property
+    def bad_workers(self) -> list[str]:
+        return list(self.workers.in_quarantine())
+
+    def change(self, render_id: str, **values: Any) -> None:
+        """What people ask for, or an older version left behind, whatever the render's state."""
+        if weight := values.pop("owner_weight", None):
+            owner = values["owner"]
+            self.database.execute(
+                "INSERT OR REPLACE INTO token VALUES (?, ?, '[]', ?, 0.0, 0.0)", (owner, owner, weight)
+            )
+        for name, value in values.items():
+            match value:
+                case job_pb2.RangeSchedule():
+                    self.change(render_id, ranges_planned=ranges_planned(value), samples=value.range_ends[-1])
+                    value = value.SerializeToString(deterministic=True)
+                case StopConditions():
+                    value = value.to_json()
+                case RenderState():
+                    value = value.value
+            self.database.execute(
+                f"UPDATE render SET {name} = ?, sequence = sequence + 1 WHERE id = ?",  # noqa: S608
+                (value, render_id),
+            )
+
+    def delete(self, render_id: str) -> None:
+        self.database.execute("DELETE FROM at_work WHERE render_id = ?", (render_id,))
+        self.database.execute("DELETE FROM render WHERE id = ?", (render_id,))
+
+
+class MemoryOwnership(Ownership):
+    """Without the files that are locked."""
+
+    def __init__(self, store: Store, alone: bool) -> None:
+        self._database, self.lease_seconds, self.shared = store.database, 10.0, True
+        self._register(alone, store.clock.moment().unix)
+
+
+class CheckedCommits(Commits):
+    """Nothing that is committed goes back."""
+
+    def _write_tiles(self, commit: RenderCommit) -> None:
+        before = self._samples(commit.render_id)
+        super()._write_tiles(commit)
+        after = self._samples(commit.render_id)
+        assert all(after[tile] >= samples for tile, samples in before.items())
+
+    def _samples(self, render_id: str) -> dict[int, int]:
+        rows = self._database.rows("SELECT tile_index, samples FROM tile WHERE render_id = ?", (render_id,))
+        return {row["tile_index"]: row["samples"] for row in rows}
 
 
 class MemoryLedger(Ledger):
-    """The store as one coordinator writes it; every commit is compared with the sequential merge."""
+    """The store as one coordinator writes it."""
 
-    def __init__(self, store: Store, number: int) -> None:
-        self._store, self._number = store, number
-        self._epoch = store.owner_epoch
-        # One class stands in for all parts of the ledger.
-        parts: Any = self
-        self.leases = self.renders = self.commits = self.workers = parts
-        self._store.until[number] = store.clock.moment().unix + 10.0
-
-    @property
-    def number(self) -> int:
-        return self._number
-
-    @property
-    def lease_seconds(self) -> float:
-        return 10.0
-
-    @contextmanager
-    def _owned(self) -> Iterator[None]:
-        if self._store.owner_epoch != self._epoch:
-            raise OwnershipLost("another coordinator has taken over the data folder")
-        if self._store.is_full:
-            raise sqlite3.OperationalError("database or disk is full")
-        yield
-        self._store.changes += 1
-
-    def _holder(self, stored: Stored) -> int:
-        alive = self._store.until.get(stored.coordinator, 0.0) >= self._store.clock.moment().unix
-        return stored.coordinator if alive else 0
-
-    def _row(self, stored: Stored) -> OpenRender:
-        return replace(stored.row, holder=self._holder(stored), totals=copy.copy(stored.row.totals))
-
-    def all(self) -> list[OpenRender]:
-        states = (RenderState.QUEUED, RenderState.RUNNING)
-        return [self._row(each) for each in self._store.stored.values() if each.row.state in states]
-
-    def quarantined(self) -> dict[str, str]:
-        return dict(self._store.bad_workers)
-
-    def drained(self) -> dict[str, str]:
-        return {}
-
-    def tiles(self, render_id: str) -> Iterator[TileRow]:
-        return iter(list(self._store.stored[render_id].tiles.values()))
-
-    def is_open(self, render_id: str) -> bool:
-        return any(row.id == render_id for row in self.all())
-
-    def renew(self, now: float) -> int:
-        with self._owned():
-            self._store.until[self._number] = now + 10.0
-            self._store.until = {each: until for each, until in self._store.until.items() if until >= now}
-        return len(self._store.until)
-
-    def resign(self) -> None:
-        self._store.until.pop(self._number, None)
-
-    def take(self, render_id: str) -> OpenRender | None:
-        with self._owned():
-            stored = self._store.stored[render_id]
-            if self._holder(stored) not in (0, self._number):
-                return None
-            stored.coordinator = self._number
-            stored.row = replace(stored.row, fence=stored.row.fence + 1)
-            return self._row(stored)
-
-    def let_go(self, render_id: str, fence: int) -> None:
-        with self._owned():
-            if self._holds(render_id, fence):
-                self._store.stored[render_id].coordinator = 0
-
-    def _holds(self, render_id: str, fence: int) -> bool:
-        stored = self._store.stored.get(render_id)
-        return stored is not None and (stored.coordinator, stored.row.fence) == (self._number, fence)
-
-    def lost(self, fences: Mapping[str, int]) -> list[str]:
-        return [render_id for render_id, fence in fences.items() if not self._holds(render_id, fence)]
-
-    @contextmanager
-    def holding(self, render_id: str, fence: int) -> Iterator[None]:
-        with self._owned():
-            if not self._holds(render_id, fence):
-                raise LeaseLost(render_id)
-            yield
-
-    def start(self, render_id: str, fence: int, now: float) -> bool:
-        with self.holding(render_id, fence):
-            if self._store.stored[render_id].row.state is not RenderState.QUEUED:
-                return False
-            self._store.change(render_id, state=RenderState.RUNNING)
-            return True
-
-    def commit(self, commits: list[RenderCommit]) -> list[str]:
-        lost = []
-        with self._owned():
-            for commit in commits:
-                if not self._holds(commit.render_id, commit.fence):
-                    lost.append(commit.render_id)
-                elif not self._store.stored[commit.render_id].row.state.ended:
-                    self._keep(commit)
-        return lost
-
-    def _keep(self, commit: RenderCommit) -> None:
-        stored = self._store.stored[commit.render_id]
-        for tile in commit.tiles:
-            before = stored.tiles.get(tile.tile_index)
-            assert before is None or before.samples <= tile.samples, "what is committed goes back"
-            stored.tiles[tile.tile_index] = tile
-        for index, workers in commit.contributors.items():
-            stored.contributors.setdefault(index, set()).update(workers)
-        self._store.change(
-            commit.render_id,
-            totals=copy.copy(commit.totals),
-            failed_tiles=tuple(commit.failed_tiles),
-            floating_point_profile=commit.floating_point_profile,
-            ran_seconds=commit.ran_seconds,
-        )
-
-    def quarantine(self, worker_id: str, reason: str, now: float, lied: bool = False) -> list[str]:
-        found = []
-        with self._owned():
-            self._store.bad_workers.setdefault(worker_id, reason)
-            for stored in self._store.stored.values():
-                spoilt = [index for index, workers in stored.contributors.items() if worker_id in workers]
-                if not (spoilt and lied):
-                    continue
-                if stored.row.state.has_image:
-                    manifest = [0] * stored.planned.grid.count
-                    for index, tile in stored.tiles.items():
-                        manifest[index] = tile.samples
-                    stop = StopConditions(tile_samples=tuple(manifest))
-                    stored.row = replace(stored.row, state=RenderState.QUEUED, stop=stop)
-                    stored.final_image = None
-                for index in spoilt:
-                    stored.tiles.pop(index, None)
-                    del stored.contributors[index]
-                stored.row = replace(stored.row, fence=stored.row.fence + 1)
-                found.append(stored.row.id)
-        return found
-
-    def start_anew(self, render_id: str, fence: int) -> None:
-        with self.holding(render_id, fence):
-            stored = self._store.stored[render_id]
-            stored.tiles, stored.contributors = {}, {}
-            totals = Totals(cpu_seconds=stored.row.totals.cpu_seconds)
-            self._store.change(
-                render_id, floating_point_profile="", totals=totals, failed_tiles=(), fence=fence + 1
-            )
-
-    def recut(self, render_id: str, fence: int, schedule: job_pb2.RangeSchedule) -> None:
-        with self.holding(render_id, fence):
-            self._store.change(render_id, schedule=schedule)
-
-    def write_meters(self, values: Mapping[str, float]) -> None:
-        assert all(np.isfinite(value) for value in values.values())
-
-    def record_preview(self, render_id: str, fence: int, point: ErrorPoint, in_history: bool) -> None:
-        with self.holding(render_id, fence):
-            if in_history:
-                self._store.stored[render_id].errors.append(point)
-
-    def end(self, render: OpenRender, state: RenderState, reason: str, now: float) -> bool:
-        with self.holding(render.id, render.fence):
-            stored = self._store.stored[render.id]
-            if stored.row.state.ended or not stored.row.asks_the_same(render):
-                return False
-            if stored.row.state is RenderState.PAUSED:
-                return False
-            stored.reason = reason
-            self._store.change(render.id, state=state)
-            return True
-
-    def mirror(self, workers: list[WorkerRow], at_work: list[tuple[str, int, str]], now: float) -> None:
-        with self._owned():
-            pass
+    def __init__(self, store: Store, alone: bool) -> None:
+        super().__init__(store.database, MemoryOwnership(store, alone))
+        self.commits = CheckedCommits(store.database, self.leases)
 
 
 class MemoryPreviews(Previews):
-    """Looks at what would be written."""
+    """Keeps what would be written."""
 
-    def __init__(self, store: Store, ledger: MemoryLedger) -> None:
-        self._store, self._memory = store, ledger
+    def __init__(self, store: Store, ledger: Ledger) -> None:
+        super().__init__(store, ledger)
+        self._store = store
         self.written = 0
 
     def write_preview(self, render: RunningRender, final: bool = False) -> None:
-        with self._memory.holding(render.id, render.row.fence):
+        with self._ledger.leases.holding(render.id, render.row.fence):
             self.written += 1
 
     def write_thumbnail(self, render: RunningRender) -> None:
         self.write_preview(render)
 
     def write_image(self, render: RunningRender) -> None:
-        with self._memory.holding(render.id, render.row.fence):
-            image = {
+        with self._ledger.leases.holding(render.id, render.row.fence):
+            self._store.images[render.id] = {
                 index: (render.film.samples(index), render.film.tile_bytes(index))
                 for index in range(len(render.film.tiles))
             }
-            self._store.stored[render.id].final_image = image
 
     def write_bundle(self, render: RunningRender, failed: FailedTile) -> None:
         self._store.bundles.append((render.id, failed))
-
-    def finish_ended(self, unix_time: float) -> None:
-        pass

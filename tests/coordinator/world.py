@@ -14,17 +14,17 @@ from nocturne_coordinator.dispatch.events import Event
 from nocturne_coordinator.dispatch.records import (
     OpenRender,
     RenderState,
-    Totals,
 )
 from nocturne_coordinator.dispatch.state import Settings
 from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions
 from nocturne_coordinator.event_log import EventLog
 from nocturne_coordinator.queue.job_queue import Session
+from nocturne_coordinator.store.rows import NewRender
 from nocturne_scene.ranges import make_schedule
 from nocturne_scene.tile_sums import TileSums
 
 from tests.coordinator.memory_queue import MemoryQueue, VirtualClock, Worker
-from tests.coordinator.memory_store import SCENE, MemoryLedger, MemoryPreviews, Store, Stored
+from tests.coordinator.memory_store import SCENE, MemoryLedger, MemoryPreviews, Store
 from tests.coordinator.simulated_worker import Alter, simulated_sums, unaltered
 
 
@@ -62,10 +62,8 @@ class World:
     def start(self) -> CheckedCoordinator:
         """Another coordinator, in addition to the running ones; alone, it is the folder's next owner."""
         self._runs += 1
-        if not self.coordinators:
-            self.store.until.clear()
-        ledger = MemoryLedger(self.store, self._runs)
-        settings = replace(self.settings, number=self._runs)
+        ledger = MemoryLedger(self.store, alone=not self.coordinators)
+        settings = replace(self.settings, number=ledger.leases.number)
         log = None
         if self._event_log is not None:
             log = EventLog(self._event_log, settings, ledger.workers.quarantined())
@@ -111,18 +109,11 @@ class World:
     ) -> str:
         """A render of two tiles, unless told otherwise; gives its id."""
         render_id = f"r{len(self.store.stored)}"
-        row = OpenRender(
-            render_id,
-            RenderState.QUEUED,
-            make_schedule(width, height, samples),
-            SCENE,
-            job_pb2.ENGINE_CURRENT,
-            Totals(),
-            stop,
-            floating_point_profile=profile,
-        )
-        self.store.stored[render_id] = Stored(row)
-        self.store.changes += 1
+        schedule = make_schedule(width, height, samples)
+        new = NewRender(render_id, "", SCENE, "{}", width, height, samples, schedule, stop)
+        made = self.store.renders.create(replace(new, floating_point_profile=profile))
+        # Not at random, so that each run of a test is the same.
+        self.store.change(made.id, id=render_id)
         return render_id
 
     # --- time ---
@@ -159,9 +150,9 @@ class World:
 
     def check_sums(self, render_id: str) -> None:
         """The committed sums equal the first ranges, merged one after the other, in every bit (I1 to I3)."""
-        stored = self.store.stored[render_id]
+        stored, tiles = self.store.stored[render_id], self.store.stored[render_id].tiles
         planned, samples = stored.planned, 0
-        for index, row in stored.tiles.items():
+        for index, row in tiles.items():
             tile = planned.grid.tile(index)
             total = TileSums.zeros(tile.width, tile.height)
             for position in range(planned.ranges.merged_at(row.samples)):
@@ -169,10 +160,9 @@ class World:
             assert row.sums == total.encode()
             samples += row.samples * tile.width * tile.height
         assert stored.row.totals.photons == samples
-        if stored.row.state.has_image and stored.tiles:
-            assert stored.final_image is not None
-            assert {index: (row.samples, row.sums) for index, row in stored.tiles.items()} == {
-                index: each for index, each in stored.final_image.items() if each[0]
+        if stored.row.state.has_image and tiles:
+            assert {index: (row.samples, row.sums) for index, row in tiles.items()} == {
+                index: each for index, each in self.store.images[render_id].items() if each[0]
             }
 
     def check_survived(self, *render_ids: str, seconds: float = 120.0) -> None:

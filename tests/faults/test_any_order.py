@@ -130,9 +130,9 @@ class Night(RuleBasedStateMachine):
 
     @rule(seconds=st.sampled_from([0.1, 2.0]))
     def disk_is_full(self, seconds: float) -> None:
-        self.world.store.is_full = True
+        self.world.store.database.is_full = True
         self.world.run(seconds)
-        self.world.store.is_full = False
+        self.world.store.database.is_full = False
 
     @rule(which=st.integers(0, MAX_RENDERS), priority=st.integers(1, 1000))
     def render_is_paused_and_resumed(self, which: int, priority: int) -> None:
@@ -148,7 +148,6 @@ class Night(RuleBasedStateMachine):
         row = self.world.row(render)
         if row.state in (RenderState.RUNNING, RenderState.SUCCEEDED):
             schedule = extended_schedule(row.schedule, row.schedule.range_ends[-1] + more)
-            self.world.store.stored[render].final_image = None
             self.world.store.change(render, schedule=schedule, stop=EVERYTHING, state=RenderState.QUEUED)
 
     @invariant()

@@ -20,9 +20,9 @@ from nocturne_coordinator.dispatch.records import RenderState
 from nocturne_coordinator.dispatch.state import Settings
 from nocturne_coordinator.dispatch.stopping import StopConditions
 from nocturne_coordinator.replay import read_lines, replay
+from nocturne_coordinator.store.worker_records import WorkerRecords
 from nocturne_scene.ranges import extended_schedule
 
-from tests.coordinator.memory_store import MemoryLedger
 from tests.coordinator.simulated_worker import Shuffled
 from tests.coordinator.test_result_handler import SPOILT
 from tests.coordinator.world import Crashed, World
@@ -87,7 +87,7 @@ def test_workers_are_killed_in_mid_job(seed: int) -> None:
         world.worker()
     world.check_survived(render)
     assert world.row(render).failed_tiles == ()
-    assert world.store.bad_workers == {}
+    assert world.store.bad_workers == []
 
 
 @pytest.mark.parametrize("acknowledged_first", [False, True])
@@ -125,7 +125,7 @@ def test_a_job_that_fails_everywhere_is_given_up(workers: int) -> None:
     world.run_until(lambda: world.row(render).state.ended)
     assert world.row(render).state is RenderState.DEGRADED
     assert {index: tile.samples for index, tile in world.store.stored[render].tiles.items()} == {0: 100, 1: 8}
-    assert world.store.bad_workers == {}
+    assert world.store.bad_workers == []
     assert [failed.tile_index for _, failed in world.store.bundles] == [1]
     world.check_sums(render)
     world.check_nothing_left()
@@ -157,7 +157,7 @@ def test_a_worker_that_fails_what_others_can_do_is_quarantined() -> None:
     world, render = running(samples=1000)
     bad = world.worker(failing)
     world.check_survived(render)
-    assert list(world.store.bad_workers) == [bad.name]
+    assert world.store.bad_workers == [bad.name]
 
 
 @pytest.mark.parametrize("seed", SEEDS)
@@ -190,7 +190,7 @@ def test_all_workers_are_gone_for_ten_minutes() -> None:
     assert world.coordinators[0].core.state.fleet.workers == ()
     world.worker()
     world.check_survived(render)
-    assert world.store.bad_workers == {}
+    assert world.store.bad_workers == []
 
 
 def test_profiles_are_never_mixed() -> None:
@@ -211,7 +211,7 @@ def test_profiles_are_never_mixed() -> None:
     world.run_until(lambda: world.row(render).floating_point_profile == MOST, 30.0)
     world.check_survived(render)
     assert set.union(*world.store.stored[render].contributors.values()) <= honest
-    assert world.store.bad_workers == {}
+    assert world.store.bad_workers == []
     # A replay of that profile waits for its worker.
     other = world.create(100, StopConditions(tile_samples=(100, 100)), profile="c" * 16)
     world.run(30.0)
@@ -278,16 +278,16 @@ def test_a_liar_is_found_and_its_work_done_again() -> None:
     world.run(5.0)
     render = world.create(4000, width=160)
     world.check_survived(render)
-    assert list(world.store.bad_workers) == [liar.name]
+    assert world.store.bad_workers == [liar.name]
     world.check_survived(before)
 
 
 def test_a_liar_is_found_while_the_folder_refuses_to_note_it(monkeypatch: pytest.MonkeyPatch) -> None:
     """L1, C3: what two others have proved is not forgotten, though three writes of it fail."""
     refused = 0
-    works = MemoryLedger.quarantine
+    works = WorkerRecords.quarantine
 
-    def quarantine(self: MemoryLedger, *of: Any, **named: Any) -> list[str]:
+    def quarantine(self: WorkerRecords, *of: Any, **named: Any) -> list[str]:
         nonlocal refused
         refused += 1
         if refused <= 3:
@@ -303,7 +303,7 @@ def test_a_liar_is_found_while_the_folder_refuses_to_note_it(monkeypatch: pytest
             result.partial.sums = np.nextafter(np.frombuffer(result.partial.sums, "<f8"), np.inf).tobytes()
         return [result]
 
-    monkeypatch.setattr(MemoryLedger, "quarantine", quarantine)
+    monkeypatch.setattr(WorkerRecords, "quarantine", quarantine)
     world = World(settings=Settings(commit_seconds=0.1, audit_share=1.0, audit_share_new=1.0))
     world.start()
     liar = world.worker(wrong_once)
@@ -312,7 +312,7 @@ def test_a_liar_is_found_while_the_folder_refuses_to_note_it(monkeypatch: pytest
     # Who is not known to work is not audited.
     world.run(5.0)
     world.check_survived(world.create(400))
-    assert (list(world.store.bad_workers), refused > 3) == ([liar.name], True)
+    assert (world.store.bad_workers, refused > 3) == ([liar.name], True)
 
 
 def test_honest_workers_agree() -> None:
@@ -322,7 +322,7 @@ def test_honest_workers_agree() -> None:
     render = world.create(100)
     world.check_survived(first, render)
     assert world.row(render).totals.audited > 0
-    assert world.store.bad_workers == {}
+    assert world.store.bad_workers == []
 
 
 def test_nothing_more_is_traced_while_an_end_waits_for_audits() -> None:
@@ -453,12 +453,12 @@ def test_the_disk_is_full_for_a_while(seed: int) -> None:
     """C3: intake pauses, nothing is lost, and it goes on when there is room."""
     world, render = running(seed, 2, 400)
     world.run(world.chance.uniform(0.0, 0.3))
-    world.store.is_full = True
+    world.store.database.is_full = True
     world.run(world.chance.uniform(0.5, 30.0))
     before = world.done(render)
     core = world.coordinators[0].core
     assert core.state.scheduler.in_flight <= max(core.window.size, limits.MIN_WINDOW) + 2
-    world.store.is_full = False
+    world.store.database.is_full = False
     if before < world.store.stored[render].ranges_planned:
         world.run_until(lambda: world.done(render) > before, 10.0)
     world.check_survived(render)
@@ -506,8 +506,7 @@ def test_people_change_their_minds(seed: int) -> None:
     if world.chance.random() < 0.5:
         world.store.change(gone, state=RenderState.CANCELLED)
     else:
-        del world.store.stored[gone]
-        world.store.changes += 1
+        world.store.delete(gone)
     longer = extended_schedule(world.row(render).schedule, 600)
     world.store.change(render, schedule=longer, state=RenderState.QUEUED, stop=StopConditions())
     world.check_survived(render)
@@ -598,7 +597,7 @@ def test_a_night_is_replayed_from_its_event_log(tmp_path: Path) -> None:
         world.run(0.3)
         world.queue.flush()
         world.queue.is_down = False
-        world.store.is_full = not world.store.is_full
+        world.store.database.is_full = not world.store.database.is_full
         world.chance.choice(world.workers).stand_still(2.0)
     world.run_until(lambda: all(world.row(each).state.ended for each in renders), 600.0)
     world.close_log()

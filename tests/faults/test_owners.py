@@ -99,7 +99,6 @@ def test_an_owners_renders_go_by_priority() -> None:
     """P7: between the owner's own renders nothing has changed."""
     world = World()
     made = [create(world, "alice", priority=number + 1, samples=4000) for number in range(12)]
-    world.store.stored = dict(sorted(world.store.stored.items(), key=lambda item: -item[1].row.priority))
     world.start()
     world.run(1.0)
     assert [world.row(each).state.value for each in made] == ["QUEUED"] * 4 + ["RUNNING"] * 8

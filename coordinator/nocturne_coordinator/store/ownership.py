@@ -48,7 +48,6 @@ class Ownership:
 
     def _enter(self, root: Path) -> None:
         """The lock first, then the row that says so. Nobody else may come in between."""
-        database = self._database
         alone = self._locked(fcntl.LOCK_EX)
         if not alone and not (self.shared and self._locked(fcntl.LOCK_SH)):
             owner = os.pread(self._lock, 32, 0).decode(errors="replace").strip()
@@ -59,6 +58,13 @@ class Ownership:
             )
         os.ftruncate(self._lock, 0)
         os.pwrite(self._lock, str(os.getpid()).encode(), 0)
+        self._register(alone, time.time())
+        if alone and self.shared:
+            # Not atomic: the exclusive lock is given back first.
+            self._locked(fcntl.LOCK_SH)
+
+    def _register(self, alone: bool, now: float) -> None:
+        database = self._database
         with database.transaction():
             if alone:
                 # Nobody else lives, so nobody else's lease counts.
@@ -67,7 +73,7 @@ class Ownership:
                 database.execute("DELETE FROM meter")
             row = database.row(
                 "INSERT INTO coordinator (until) VALUES (?) RETURNING number",
-                (time.time() + self.lease_seconds,),
+                (now + self.lease_seconds,),
             )
             assert row is not None  # noqa: S101 - it gives what it put in
             self.number = int(row["number"])
@@ -76,9 +82,6 @@ class Ownership:
             row = database.row("SELECT folder FROM ownership")
             self.folder = str(row["folder"]) if row is not None else ""
             """Tells this data folder from others."""
-        if alone and self.shared:
-            # Not atomic: the exclusive lock is given back first.
-            self._locked(fcntl.LOCK_SH)
 
     def check(self) -> None:
         """To be called inside every transaction that writes; OwnershipLost if there is a later owner.
