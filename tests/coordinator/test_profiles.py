@@ -115,7 +115,7 @@ def test_an_odd_result_touches_nothing() -> None:
     assert auditor.is_open(JobKey("r", 0, 0))
     odd = simulated_result(job, "odd")
     odd.floating_point_profile, odd.partial.rays = B, odd.partial.rays + 1
-    assert handler.take(b"2-3", odd.SerializeToString(), 0.0, 0.5).quarantined == {}
+    assert handler.take(b"2-3", odd.SerializeToString(), 0.0, 0.5).quarantined == []
     assert auditor.mismatches == 0
 
 

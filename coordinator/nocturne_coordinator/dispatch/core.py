@@ -26,11 +26,9 @@ from nocturne_coordinator.dispatch.instructions import (
     ERROR,
     IsOpen,
     Log,
-    Quarantine,
     Steps,
     TellWorkers,
     Withdraw,
-    WriteBundle,
 )
 from nocturne_coordinator.dispatch.result_handler import Outcome, ResultHandler
 from nocturne_coordinator.dispatch.state import Settings, State
@@ -115,15 +113,13 @@ class Core:
         if outcome.withdrawn:
             yield Withdraw(tuple(outcome.withdrawn))
         self.state.failed.update(outcome.failed)
-        for render_id, failed in outcome.failed_tiles:
-            yield WriteBundle(render_id, failed)
+        yield from outcome.bundles
         fleet = self.state.fleet
-        for worker, reason in outcome.quarantined.items():
-            lied = worker in outcome.liars
-            if lied or worker not in fleet.quarantined:
-                self.state.owed.append(Quarantine(worker, reason, lied))
-                fleet.quarantined = {**fleet.quarantined, worker: reason}
-                yield Log(ERROR, f"worker={worker} is in quarantine: {reason}")
+        for each in outcome.quarantined:
+            if each.lied or each.worker not in fleet.quarantined:
+                self.state.owed.append(each)
+                fleet.quarantined = {**fleet.quarantined, each.worker: each.reason}
+                yield Log(ERROR, f"worker={each.worker} is in quarantine: {each.reason}")
                 yield TellWorkers(fleet.without_jobs())
 
     def validate_state(self) -> None:

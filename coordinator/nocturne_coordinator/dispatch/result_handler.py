@@ -6,7 +6,7 @@ from google.protobuf.message import DecodeError
 from nocturne.v1 import job_pb2
 
 from nocturne_coordinator.dispatch.failure_policy import PoisonedJob
-from nocturne_coordinator.dispatch.instructions import DEBUG, ERROR, WARNING, Log
+from nocturne_coordinator.dispatch.instructions import DEBUG, ERROR, WARNING, Log, Quarantine, WriteBundle
 from nocturne_coordinator.dispatch.merge import MergeResult, RangeSums
 from nocturne_coordinator.dispatch.planned_render import RefusedResult
 from nocturne_coordinator.dispatch.profiles import profile_of, refusal_of
@@ -31,14 +31,12 @@ class Outcome:
     """The running render that they are of; empty: of none."""
     withdrawn: list[bytes] = field(default_factory=list)
     """Job entries to take off the stream: they are published again, or not needed any more."""
-    failed_tiles: list[tuple[str, FailedTile]] = field(default_factory=list)
-    """By render, tiles that get no more samples."""
+    bundles: list[WriteBundle] = field(default_factory=list)
+    """Of tiles that get no more samples."""
     failed: dict[str, str] = field(default_factory=dict)
     """Renders that can't be done, and why."""
-    quarantined: dict[str, str] = field(default_factory=dict)
-    """Workers whose results are not taken any more, and why."""
-    liars: set[str] = field(default_factory=set)
-    """Those of them whose earlier results are not to be trusted either."""
+    quarantined: list[Quarantine] = field(default_factory=list)
+    """Workers whose results are not taken any more."""
     unknown_render: str = ""
     """Not running here: whether the result is of use to another coordinator is to be asked."""
     lines: list[Log] = field(default_factory=list)
@@ -194,7 +192,8 @@ class ResultHandler:
                 draw,
             )
             for guilty in self._state.failure_policy.succeeded(key, offered.worker):
-                outcome.quarantined[guilty] = "It failed at three jobs that other workers could do."
+                reason = "It failed at three jobs that other workers could do."
+                outcome.quarantined.append(Quarantine(guilty, reason, lied=False))
         if verdict in (MergeResult.TOO_EARLY, MergeResult.DUPLICATE):
             outcome.settled.append(offered.entry)
         if released:
@@ -222,8 +221,8 @@ class ResultHandler:
             render.count_audited()
         for liar in finding.liars:
             place = f"tile {key.tile_index}, range {key.range_index} of {render.id}"
-            outcome.quarantined[liar] = f"Its result differs from that of two other workers: {place}."
-            outcome.liars.add(liar)
+            reason = f"Its result differs from that of two other workers: {place}."
+            outcome.quarantined.append(Quarantine(liar, reason, lied=True))
 
     def _fail(
         self,
@@ -256,7 +255,7 @@ class ResultHandler:
         outcome.settled.extend(each.entry for each in render.fail_tile(failed))
         scheduler = self._state.scheduler
         outcome.withdrawn.extend(scheduler.finish_tile(render.id, key.tile_index, RangeState.FAILED))
-        outcome.failed_tiles.append((render.id, failed))
+        outcome.bundles.append(WriteBundle(render.id, failed))
         line = f"render={render.id} tile={key.tile_index} failed: {verdict.reason}"
         outcome.lines.append(Log(ERROR, line))
         if self._is_failure(render):

@@ -10,12 +10,7 @@ from dataclasses import dataclass
 from statistics import median
 from typing import NamedTuple
 
-from nocturne_coordinator.dispatch.range_queue import (
-    FairShare,
-    ForwardRanges,
-    RangeQueue,
-    RangeState,
-)
+from nocturne_coordinator.dispatch.range_queue import FairShare, ForwardRanges, RangeQueue, RangeState
 from nocturne_coordinator.limits import DEFAULT_PRIORITY
 
 MIN_OVERDUE = 60.0
