@@ -1,4 +1,4 @@
-"""What is merged is committed about once a second, and then shown; only then are its results deleted. Pure.
+"""Merged samples are committed about once a second, and then shown; then their results are deleted. Pure.
 
 Renders are let go here, too: a commit may find one lost.
 """
@@ -84,9 +84,9 @@ class Commits:
         yield from self._show(at)
 
     def write_owed(self, at: Moment) -> Steps[None]:
-        """Writes what the folder is to know besides sums; what fails is owed still."""
+        """Carries out all owed writes, until one fails: that one, and those after it, are owed still."""
         owed, renders = self._state.owed, self._state.renders
-        # What a worker did is committed before it is thrown away: all of it is found then.
+        # All work of a worker is committed before it is thrown away, so that none is missed.
         if any(isinstance(each, Quarantine) for each in owed) and not (yield from self.commit(at)):
             return
         try:
@@ -132,7 +132,7 @@ class Commits:
             state.settled.setdefault(render_id, []).extend(render.waiting_entries())
         state.owed.append(LetGo(render_id, render.row.fence))
 
-    # --- what people look at ---
+    # --- pictures ---
 
     def _show(self, at: Moment) -> Steps[None]:
         """Previews that are due, of renders with new samples, never more often than they are worth."""

@@ -63,7 +63,7 @@ class Core:
         return min(max(wanted, _MIN_ROUND), _MAX_ROUND)
 
     def handle(self, event: Event) -> Steps[None]:
-        """What follows from an event. QueueError comes through: Redis failed in the middle of it."""
+        """The instructions that follow from an event. QueueError comes through where Redis failed in them."""
         match event:
             case Tick():
                 yield from self._tick(event.at)

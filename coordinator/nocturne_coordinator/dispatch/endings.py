@@ -34,7 +34,7 @@ class Endings:
             each for each in ending if self._audits_are_done(each[0], at.now) and not each[0].row.layers_due
         ]
         self._state.needs_audits_only = {each[0].id for each in ending} - {each[0].id for each in endings}
-        # What is owed may throw samples away that an image would have.
+        # An owed quarantine may throw samples away that an image would have.
         if at.now < self._next_finish or self._state.owed or not (endings or self._state.failed):
             return
         self._next_finish = at.now + self._state.settings.commit_seconds

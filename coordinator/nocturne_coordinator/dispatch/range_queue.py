@@ -82,8 +82,8 @@ class RangeQueue:
     forward: ForwardRanges | None = None
     ready: list[tuple[bool, int, bool, int, int]] = field(init=False)
     """Heap of (may wait, turn, is a tile, tile, range to publish next): earlier ranges first, so the whole
-    frame is first. Of forward photons before those of tiles, as they take longest. An entry counts while
-    `following` names its range."""
+    frame is first. Ranges of forward photons go before those of tiles, as they take longest. An entry counts
+    while `following` names its range."""
     following: list[int] = field(init=False)
     """Per tile, the range to publish next; -1: none is planned, RANGES_AHEAD of them are in flight, or all
     that the tile should need."""
@@ -96,7 +96,7 @@ class RangeQueue:
         self.order(frozenset())
 
     def order(self, first: frozenset[int]) -> None:
-        """Makes the heap anew, with these tiles before the others."""
+        """Rebuilds the heap, with these tiles before the others."""
         self.first, self.ready, self.following = first, [], [-1] * len(self.states)
         for tile in range(len(self.states)):
             self._follow(tile)
@@ -129,7 +129,7 @@ class RangeQueue:
         return None
 
     def problem(self) -> str:
-        """What is wrong with the indexes, empty if nothing is; for tests."""
+        """The first fault in the indexes, empty if there is none; for tests."""
         entries = {(tile, index) for *_, tile, index in self.ready}
         for tile, index in enumerate(self.following):
             if index != self._next_of(tile) or (index >= 0 and (tile, index) not in entries):

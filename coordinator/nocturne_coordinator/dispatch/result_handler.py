@@ -1,4 +1,4 @@
-"""What comes in on the results stream: checked, merged, audited or refused. Pure; raises for no input."""
+"""Entries of the results stream: checked, merged, audited or refused. Pure; raises for no input."""
 
 from dataclasses import dataclass, field
 
@@ -23,7 +23,7 @@ _MAX_NAME = 128
 
 @dataclass(slots=True)
 class Outcome:
-    """What is to be done after some results were taken in."""
+    """The consequences of results that were taken in."""
 
     settled: list[bytes] = field(default_factory=list)
     """Result entries of no more use, once all that is merged by now is committed."""

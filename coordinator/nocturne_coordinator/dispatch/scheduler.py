@@ -88,7 +88,7 @@ class Scheduler:
         self._queues[render_id] = RangeQueue(render_id, states, needed, owner, share, cost, forward)
 
     def set_priority(self, render_id: str, priority: float) -> None:
-        """The render's weight beside its owner's other renders from now on."""
+        """The render's weight among its owner's renders from now on."""
         self._queues[render_id].share.weight = priority
 
     def set_first(self, render_id: str, tiles: frozenset[int]) -> None:
@@ -133,7 +133,7 @@ class Scheduler:
             self._move(JobKey(render_id, tile_index, index), RangeState.COMPLETED)
 
     def committed(self, render_id: str, tiles: Iterable[int]) -> None:
-        """What is completed of these tiles is committed."""
+        """All completed ranges of these tiles are committed."""
         for tile in tiles:
             while (index := self._queues[render_id].states[tile].find(RangeState.COMPLETED)) >= 0:
                 self._move(JobKey(render_id, tile, index), RangeState.COMMITTED)
@@ -190,8 +190,8 @@ class Scheduler:
 
         `but`: renders that are left out, as nobody is there who could work on them.
 
-        Where there is no room, and most of what is in flight waits for earlier ranges, it is these, whatever
-        the count: nothing else would ever make room.
+        Where there is no room, and most ranges in flight wait for earlier ones, the earlier ones are given
+        out, whatever the count: nothing else would ever make room.
         """
         if count <= 0:
             return self._waited_for() if self.in_flight > 2 * len(self._outstanding) else []
@@ -259,7 +259,7 @@ class Scheduler:
         return self._queues.keys()
 
     def problem(self) -> str:
-        """What is wrong with the indexes of the ranges' states, empty if nothing is; for tests."""
+        """The first fault in the indexes of the ranges' states, empty if there is none; for tests."""
         for render_id, queue in self._queues.items():
             if problem := queue.problem():
                 return problem

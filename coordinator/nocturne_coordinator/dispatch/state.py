@@ -55,7 +55,7 @@ class State:
     folder_trouble: bool = False
     """The last commit failed: no new jobs until one works again, as merged results pile up in Redis."""
     owed: list[LetGo | Quarantine] = field(default_factory=list)
-    """What must be written to the folder besides sums: it stays here until that has worked."""
+    """Writes to the folder, besides those of sums, that must happen: each stays here until it has worked."""
     next_commit: float = 0.0
 
     @classmethod

@@ -1,9 +1,9 @@
 """Whether the core's state is one that may be: the invariants of docs/reliability.md that can be seen in it.
 Pure.
 
-Open, published, waiting and merged ranges together are the planned ones (I6), each in one place (I2);
-samples, counts and totals are those of the merged ranges (I1); what is in flight is bounded (I8). For tests,
-after every event."""
+Each range has one state (I2), which is the same in the scheduler and in the film (I6); samples, counts and
+totals are those of the merged ranges (I1); the number of ranges in flight is bounded (I8). For tests, after
+every event."""
 
 from collections import Counter
 
