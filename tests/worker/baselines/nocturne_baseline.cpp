@@ -20,6 +20,7 @@ struct Options {
   std::string scene, schedule, blobs, output, statistics;
   Method method = Method::kPath;
   std::uint32_t steps = 64;
+  bool quiet = false;
   unsigned threads = std::thread::hardware_concurrency();
 };
 
@@ -84,7 +85,7 @@ int main(int argc, char** argv) {
   app.add_option("--threads", options.threads, "Threads (default: all processors)")
       ->check(CLI::Range(1, 1024));
   app.add_option("--statistics", options.statistics, "JSON file for counts and times");
-  app.add_flag("--quiet", "No progress; there is none");
+  app.add_flag("--quiet", options.quiet, "As of nocturne-trace; this program shows no progress");
   CLI11_PARSE(app, argc, argv);
   try {
     nocturne::run(options);
