@@ -80,9 +80,10 @@ def _trace(
     case: Case, truth: float, method: Way, compiled: CompiledFolder, folder: Path, threads: int
 ) -> Verdict:
     output, statistics = folder / "image.exr", folder / "statistics.json"
-    command: list[object] = [need_program("nocturne-trace"), compiled.scene, "-o", output, "--quiet"]
+    program = "nocturne-baseline" if method.baseline else "nocturne-trace"
+    command: list[object] = [need_program(program), compiled.scene, "-o", output, "--quiet"]
     command += ["--schedule", compiled.schedule, "--blobs", compiled.blobs, "--statistics", statistics]
-    command += ["--threads", threads, *method.options]
+    command += ["--threads", threads, *method.baseline]
     before = _cpu_s()
     limit = ["prlimit", f"--cpu={TIME_LIMIT_S:.0f}", "--"]
     done = subprocess.run([*limit, *map(str, command)], capture_output=True, text=True, check=False)

@@ -21,9 +21,8 @@ std::string figures_json(const PilotFigures& figures) {
   std::ostringstream json;
   json.precision(6);
   json << "{\"photons\": \"" << kNames[kind.from] << "\", \"sharing\": " << kind.sharing
-       << ", \"aimed\": " << kind.aimed
-       << ", \"guided\": " << (kind.guided ? "true" : "false") << ", \"mean\": " << figures.mean
-       << ", \"mean_error\": " << figures.mean_error
+       << ", \"aimed\": " << kind.aimed << ", \"guided\": " << (kind.guided ? "true" : "false")
+       << ", \"mean\": " << figures.mean << ", \"mean_error\": " << figures.mean_error
        << ", \"relative_mse\": " << figures.relative_mse << ", \"cost\": " << figures.cost << '}';
   return json.str();
 }

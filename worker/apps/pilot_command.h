@@ -17,7 +17,7 @@ struct PilotCommand {
   unsigned threads;
 };
 
-inline const std::vector<std::string> kPilotChooses{"direction", "aim",  "learn", "ratio",
+inline const std::vector<std::string> kPilotChooses{"direction", "aim",   "learn",  "ratio",
                                                     "guide",     "parts", "sharing"};
 
 /// A JSON file: what is best, and what each way did. Throws what loading and tracing throw.

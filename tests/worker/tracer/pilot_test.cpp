@@ -14,6 +14,7 @@
 #include "tracer/compare_methods.h"
 #include "tracer/learn.h"
 #include "tracer/rare_light.h"
+#include "tracer/trials.h"
 
 namespace nocturne {
 namespace {
@@ -173,19 +174,22 @@ TEST(PilotOfMethods, NeverTakesPhotonsThatHardlyFoundTheSensor) {
 
 // Costs and errors of two that share the time: the best parts are as the roots of error over cost.
 TEST(PilotOfMethods, GivesEachKindAsManyPhotonsAsPay) {
-  const auto ratio = [](double sensor_mse, double forward_mse, double forward_cost) {
+  const auto ratio = [](double sensor_mse, double forward_mse, double forward_cost,
+                        double about = 1.0) {
     PilotFigures sensor, forward;
     sensor.relative_mse = sensor_mse;
     sensor.cost = 1.0;
     forward.relative_mse = forward_mse;
     forward.cost = forward_cost;
-    return best_forward_ratio(sensor, forward);
+    return best_forward_ratio(sensor, forward, about);
   };
   EXPECT_EQ(ratio(1.0, 1.0, 1.0), 1.0);
+  EXPECT_EQ(ratio(1.0, 16.0, 1.0), 4.0);
+  EXPECT_EQ(ratio(16.0, 1.0, 1.0), 0.25);
   EXPECT_EQ(ratio(1.0, 16.0, 0.25), 8.0);
-  // 25 at 4 and at a quarter, 27 at the next: about as good.
-  EXPECT_EQ(ratio(1.0, 16.0, 1.0), 8.0);
-  EXPECT_EQ(ratio(16.0, 1.0, 1.0), 0.5);
+  // Error times cost is 25 at 4, and 27 at 8.
+  EXPECT_EQ(ratio(1.0, 16.0, 1.0, 1.07), 4.0);
+  EXPECT_EQ(ratio(1.0, 16.0, 1.0, 1.09), 8.0);
   // Each keeps a sixteenth of the time: at a ratio of 8 a ninth.
   EXPECT_EQ(ratio(0.0, 1.0, 1.0), 8.0);
   EXPECT_EQ(ratio(1.0, 0.0, 1.0), 0.125);
@@ -258,7 +262,7 @@ TEST(Pilot, StartsPhotonsAtTheLampForACaustic) {
 
 // Photons that are not guided only trace shadow rays to the lamp, in directions that learned light
 // has no part in; guided ones that did so looked a fifth too bright.
-TEST(Pilot, ComparesGuidedPhotonsThatFindTheSameLight) {
+TEST(Pilot, GuidesPhotonsThatFindTheSameLight) {
   test::SceneBuilder builder = test::floor_and_lamp(false);
   builder.message.mutable_tracing()->set_direction(v1::DIRECTION_BOTH);
   builder.message.clear_luminaires();
@@ -276,18 +280,14 @@ TEST(Pilot, ComparesGuidedPhotonsThatFindTheSameLight) {
   const Learned learned = learn(*scene, {64, 48}, 1 << 18, 2);
   ASSERT_GT(learned.arrivals.size(), 1000u);
   scene->lights.set_learned(LearnedLight(learned.arrivals));
-  const PilotResult found = run_pilot(*scene, {.film = {64, 48},
-                                               .samples = 16384,
-                                               .direction = true,
-                                               .aim = false,
-                                               .sharing = false,
-                                               .guide = true,
-                                               .threads = 2});
-  const auto of = [&](const PhotonKind& kind) {
-    return *std::ranges::find(found.tried, kind, &PilotFigures::kind);
+  constexpr Film kFilm{64, 48};
+  Trials trials(*scene, kFilm, 2);
+  const auto light_of = [&](const PhotonKind& kind) {
+    return mean_and_error(trials.images(kind, kFilm, whole(kFilm, 64), 8));
   };
-  const PilotFigures alone = of(kAlone), guided = of(kGuided);
-  EXPECT_NEAR(guided.mean, alone.mean, 4.0 * std::hypot(alone.mean_error, guided.mean_error));
+  const MeanLight alone = light_of(kAlone), guided = light_of(kGuided);
+  // Student's t of seven degrees: 5.4 is one in a thousand.
+  EXPECT_NEAR(guided.mean, alone.mean, 5.4 * std::hypot(alone.error, guided.error));
 }
 
 void add_important_ball(test::SceneBuilder& builder, Vec3 centre, double radius) {

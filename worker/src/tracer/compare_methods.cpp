@@ -20,11 +20,8 @@ constexpr double kCaution = 0.5;
 /// Standard errors by which photons from the sensor alone must be better than those from both ends.
 constexpr double kSurely = 3.0;
 /// Ratios of forward photons that may be chosen, and the part of the time that each kind keeps at
-/// least. Among ratios that are worse than the best by so little the highest is taken: in the
-/// larger pixels of a small film, photons from the sensor have more error than in the render, and
-/// the best ratio came out 1.5 times too low in 40 scenes (docs/decisions/0131).
-constexpr double kLeastRatio = 1.0 / 16, kMostRatio = 64.0, kLeastTime = 1.0 / 16,
-                 kAboutAsGood = 1.1;
+/// least.
+constexpr double kLeastRatio = 1.0 / 16, kMostRatio = 64.0, kLeastTime = 1.0 / 16;
 
 double cost_of_ray(const PhotonKind& kind) {
   return (kind.from == PhotonKind::kLuminaires ? kForwardCost : 1.0) *
@@ -124,7 +121,8 @@ bool is_more(const std::vector<double>& more, const std::vector<double>& less, d
   return mean > bound * error && mean > 0.0;
 }
 
-double best_forward_ratio(const PilotFigures& sensor, const PilotFigures& luminaires) {
+double best_forward_ratio(const PilotFigures& sensor, const PilotFigures& luminaires,
+                          double about) {
   MethodFigures both;
   both.sensor = sensor;
   both.luminaires = luminaires;
@@ -142,7 +140,7 @@ double best_forward_ratio(const PilotFigures& sensor, const PilotFigures& lumina
   }
   double best = 1.0;
   for (const double ratio : ratios) {
-    if (product(ratio) <= kAboutAsGood * least) best = ratio;
+    if (product(ratio) <= about * least) best = ratio;
   }
   return best;
 }

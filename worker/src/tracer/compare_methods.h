@@ -51,10 +51,12 @@ std::vector<MethodFigures> figures_of_methods(const std::vector<PilotMethod>& me
                                               const ImagesOfKind& images,
                                               std::optional<double> given_ratio);
 
-/// A power of two: how many forward photons for each from the sensor give about the least error for
-/// the same time. Each kind keeps a sixteenth of the time at least, so that one whose error the
-/// pilot has not seen yet is slowed no more than that.
-double best_forward_ratio(const PilotFigures& sensor, const PilotFigures& luminaires);
+/// A power of two: how many forward photons for each from the sensor give the least error for the
+/// same time; the most of those that are worse by no more than `about`. Each kind keeps a sixteenth
+/// of the time at least, so that one whose error the pilot has not seen yet is slowed no more than
+/// that.
+double best_forward_ratio(const PilotFigures& sensor, const PilotFigures& luminaires,
+                          double about = 1.0);
 
 /// By merit; what is comparable before what is not.
 bool is_better(const MethodFigures& one, const MethodFigures& other);
