@@ -84,8 +84,8 @@ Hit a_point_on(const Shape& shape, const PlacedInstance* instance, std::uint32_t
           .v = kV};
 }
 
-// A box at all times. Corners that move linearly within a placement that does stay in the box
-// around where the whole way of them is placed.
+// A box that holds the points at all times. Corners that move linearly within a placement that
+// moves linearly too stay in the box around their whole placed trajectories.
 Box box_of(std::span<const Vec3> points, const PlacedInstance* instance) {
   Box own;
   for (const Vec3 p : points) own.add(p);

@@ -13,7 +13,7 @@
 
 namespace nocturne {
 
-/// What there is to ask about before the scene is made.
+/// The geometry that can be queried before the scene is made.
 struct Bodies {
   const Geometry& geometry;
   std::span<const SurfaceMaterial> materials;

@@ -1,5 +1,5 @@
 // Shading normals from a texture: a map of normals, or of heights. Looked up without the footprint:
-// what is reflected is not linear in the normal, so the mean normal of a footprint reflects
+// reflected radiance is not linear in the normal, so the mean normal of a footprint reflects
 // something else than the footprint does on average. The pixel's samples take that average.
 #pragma once
 

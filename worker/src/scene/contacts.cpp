@@ -150,7 +150,7 @@ std::vector<CloseSurface> find_close(const Geometry& geometry,
     const bool media =
         close[i].body && !medium_interfaces[materials[i].medium_interface].media.empty();
     const double thin = (media ? kThinMedium : 2.0) * extents[i].clearance + seen_from;
-    // What is shown more than once may touch itself.
+    // A group that is placed more than once may touch itself.
     if (groups[i] != 0 || may_be_thin(geometry.shapes()[i], thin)) set(i);
     for (std::size_t j = 0; j < surfaces; ++j) {
       if (i == j || (close[i].reach > 0.0f && close[j].reach > 0.0f) || !meet(i, j)) continue;

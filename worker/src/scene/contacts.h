@@ -1,7 +1,7 @@
 // Surfaces that lie close together, or touch: the two faces of a thin pane, a lamp behind a mask,
-// glass on a table, water in a glass. Single precision does not tell which of them comes first:
-// they are met in the order that double precision tells (docs/decisions/0053), and those that lie
-// in the same place all at once (docs/decisions/0029).
+// glass on a table, water in a glass. Single precision does not resolve their order: they are met
+// in the order that double precision gives (docs/decisions/0053), and those that lie in the same
+// place all at once (docs/decisions/0029).
 #pragma once
 
 #include <span>
@@ -14,9 +14,9 @@
 
 namespace nocturne {
 
-/// For Geometry::set_close: what photons go through and is close to something, be it to itself, and
-/// what is close to that. Groups are as Geometry takes them; `longest_view` is how far away a hit
-/// may be from where its ray starts, m.
+/// For Geometry::set_close: surfaces that photons go through and that are close to something, be it
+/// to themselves, and the surfaces close to those. Groups are as Geometry takes them;
+/// `longest_view` is how far away a hit may be from where its ray starts, m.
 std::vector<CloseSurface> find_close(const Geometry& geometry,
                                      std::span<const std::uint32_t> groups,
                                      const std::vector<SurfaceMaterial>& materials,

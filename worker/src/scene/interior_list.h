@@ -26,7 +26,7 @@ struct MediumInterface {
   bool absorbs;
   /// Where bodies overlap, the one with the highest is there.
   std::int32_t priority;
-  /// Has the index of what is around it.
+  /// Has the index of its surroundings.
   bool index_matched = false;
   /// That fill it: indices into the scene's list.
   std::vector<std::uint32_t> media = {};
@@ -145,7 +145,7 @@ class Contacts {
   std::size_t count_ = 0;
 };
 
-/// `own` is empty for a surface that bounds no body. What is entered is there before what is left
+/// `own` is empty for a surface that bounds no body. The entered body is there before the left one
 /// is gone: nothing lies between bodies that touch.
 inline Boundary cross_boundary(const InteriorList& inside,
                                std::span<const MediumInterface> medium_interfaces,
@@ -156,7 +156,7 @@ inline Boundary cross_boundary(const InteriorList& inside,
   };
   const auto leave = [&](const Crossing& c) {
     if (c.entering) return;
-    // A photon that leaves what it never entered started inside, in an open shape.
+    // A photon that leaves a body it never entered started inside, in an open shape.
     if (boundary.from == InteriorList::kOutside && !medium_interfaces[c.body].index_matched &&
         !boundary.beyond.holds(c.body)) {
       boundary.from = c.body;

@@ -52,7 +52,7 @@ auto checked(const Make& make) {
   }
 }
 
-/// Lower-case hexadecimal name of a blob; refuses what is no SHA-256.
+/// Lower-case hexadecimal name of a blob; refuses anything but a SHA-256.
 std::string blob_name(const std::string& sha256);
 
 struct LoadContext {

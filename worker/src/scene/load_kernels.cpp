@@ -10,7 +10,7 @@
 namespace nocturne {
 namespace {
 
-// 64 M numbers, and room for what stands before them.
+// 64 M numbers, and room for the header before them.
 constexpr std::uintmax_t kMaxTableBytes = (256u << 20) + (1u << 20);
 
 class KernelLoader {

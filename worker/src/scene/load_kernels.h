@@ -15,8 +15,8 @@ bool has_delta_lobe(const std::vector<AnyKernel>& kernels, std::uint32_t index);
 bool may_pass(const std::vector<AnyKernel>& kernels, std::uint32_t index);
 
 /// For all kernels, of which the message's are the first: whether light that it sends on stays
-/// together, so that what it falls on is better found from the luminaires: glass, mirrors and the
-/// like, of a roughness that is 0.3 or less anywhere.
+/// within a narrow cone, so that the surfaces it falls on are better found from the luminaires:
+/// glass, mirrors and the like, of a roughness that is 0.3 or less anywhere.
 std::vector<bool> load_specular_like(const v1::CompiledScene& message,
                                      const std::vector<AnyKernel>& kernels);
 /// Whether a photon may be turned into a single direction, by a mirror, glass or the coat of paint.

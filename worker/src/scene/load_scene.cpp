@@ -120,7 +120,7 @@ TracingOptions load_tracing(const v1::Tracing& t, bool no_lights) {
   require(t.group() == 1 || t.group() == 4, "a group of photons that is not 1 or 4");
   const std::uint32_t sharing = std::max(1u, t.sharing());
   require(sharing == 1 || sharing == 16, "a block of pixels that share which is not 1 or 16");
-  // Without others, light that takes another way from the luminaires would be lost.
+  // Without others, light that takes another path from the luminaires would be lost.
   require(t.aimed_emission() >= 0.0 && t.aimed_emission() <= 0.99,
           "a part of aimed photons beyond 0 to 0.99");
   require(t.forward_ratio() == 0.0 || (t.forward_ratio() >= 1.0 / 16 && t.forward_ratio() <= 64.0),
@@ -159,7 +159,8 @@ bool fills_space_evenly(const Medium& medium) {
   return std::holds_alternative<ConstantDensity>(medium.density) && medium.scattering.most() > 0.0f;
 }
 
-// Photons can wander through it for ever. It hides all distant light; a glow would be everywhere.
+// Photons can wander through it without limit. It hides all distant light; a glow would be
+// everywhere.
 bool in_fog_without_end(const InteriorList& everywhere,
                         const std::vector<MediumInterface>& medium_interfaces,
                         const std::vector<Medium>& media) {
@@ -184,7 +185,7 @@ std::optional<Geometry::Ball> find_all_in_fog(const Geometry& geometry, Vec3 sen
   return ball;
 }
 
-// What is close together, for the searches and for what follows from a hit.
+// Marks surfaces that are close together, for the searches and for the handling of a hit.
 void set_close(Geometry& geometry, const std::vector<std::uint32_t>& groups, Vec3 sensor,
                const std::vector<MediumInterface>& medium_interfaces,
                std::vector<SurfaceMaterial>& materials) {
@@ -253,7 +254,7 @@ std::shared_ptr<Scene> load_scene(const v1::CompiledScene& message, const FindBl
     if (options.direction == Direction::kForward) {
       require(sensor.splats_segments() || sensor.receives_escapes(),
               "forward photons need a plane or an intensity sensor");
-      // What a sensor on the way counts must not depend on where photons beyond it went.
+      // The counts of a sensor on the path must not depend on where photons beyond it went.
       require(media.empty() || options.group == 1, "forward photons in groups through media");
     } else if (options.direction == Direction::kBoth) {
       require(sensor.is_camera(), "photons in both directions need a camera");

@@ -1,4 +1,4 @@
-// Textures, and what may vary by them.
+// Textures, and the values that may vary by them.
 #pragma once
 
 #include <memory>

@@ -36,7 +36,7 @@ struct SurfaceMaterial {
   bool has_delta_lobe = false;
   /// Photons may go through.
   bool may_pass = false;
-  /// Something is so close to it that single precision does not tell which comes first
+  /// Something is so close to it that single precision does not resolve which comes first
   /// (contacts.h).
   bool close = false;
   /// Bounds an index-matched body and does nothing else.
@@ -58,7 +58,7 @@ struct LuminaireSurroundings {
 
 struct Scene {
   Geometry geometry;
-  /// By surface; then by medium, as a hit on a medium is one on a surface of its own.
+  /// By surface; then by medium, as a hit on a medium is one on its own surface.
   std::vector<SurfaceMaterial> materials;
   std::vector<AnyKernel> kernels;
   std::vector<MediumInterface> medium_interfaces;
@@ -76,20 +76,20 @@ struct Scene {
   SensorSurroundings sensor_around;
   std::vector<LuminaireSurroundings> luminaires_around;
   /// Nothing between a vertex and a light can let light through, and all luminaires are elements of
-  /// `lights`: a photon towards lights needs to know only whether its way is free. What mirrors
-  /// bring is left to photons from kernels.
+  /// `lights`: a photon towards lights needs to know only whether it is occluded. Light by mirrors
+  /// is left to photons from kernels.
   bool occlusion_decides = false;
-  /// Holds all that photons can end at, where fog without end hides what is beyond it.
+  /// Holds all that photons can end at, where unbounded fog hides everything beyond it.
   std::optional<Geometry::Ball> all_in_fog;
   /// By kernel: whether it is specular-like (load_kernels.h). What scatters light closer to the
   /// sensor than near_ends, m, is left to photons from there, and so closer to a luminaire. For
   /// Direction::kBoth.
   std::vector<bool> specular_like;
-  /// Whether any kernel is, or has a mirror as the coat of paint has: then forward photons bring
-  /// something beside adjoint ones.
+  /// Whether any kernel is a mirror, or has one as the coat of paint has: then forward photons
+  /// bring something in addition to adjoint ones.
   bool has_mirrors = false;
   float near_ends = 0.0f;
-  /// For a pilot that counts what photons nearly meet.
+  /// For a pilot that counts the lamps that photons nearly meet.
   WidenedLamps widened_lamps = {};
 
   bool has_distant_light() const { return lights.environment() || !lights.discs().empty(); }
@@ -110,7 +110,7 @@ struct Scene {
   Spectral<N> distant_radiance(Vec3 direction, const Spectral<N>& wavelengths_nm) const {
     return distant_radiance(direction, wavelengths_nm, [](HiddenFrom) { return false; });
   }
-  /// Along what was drawn towards light.
+  /// Along a direction that was drawn towards light.
   template <int N>
   Spectral<N> distant_radiance(const LightDirections::LightSample& light,
                                const Spectral<N>& wavelengths_nm) const {
@@ -164,8 +164,8 @@ struct Scene {
   const Medium& medium(std::uint32_t surface) const { return media[surface - surface_of(0)]; }
   bool is_medium(std::uint32_t surface) const { return surface >= surface_of(0); }
 
-  /// What is left after `distance` metres in the bodies that are there (Beer, Lambert, Bouguer);
-  /// their media are not part of it.
+  /// The transmittance over `distance` metres in the bodies that are there (Beer, Lambert,
+  /// Bouguer); their media are not part of it.
   template <int N>
   Spectral<N> transmittance(const InteriorList& inside, float distance,
                             const Spectral<N>& wavelengths_nm) const {

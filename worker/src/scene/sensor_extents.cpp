@@ -7,7 +7,7 @@
 namespace nocturne {
 namespace {
 
-// The way of a moving sensor is cut into so many pieces.
+// The trajectory of a moving sensor is cut into so many pieces.
 constexpr std::size_t kPieces = 32;
 // A hollow sensor's box is cut into so many along each axis.
 constexpr int kCells = 16;
@@ -18,7 +18,8 @@ bool same_frame(const Pose& a, const Pose& b) {
   return a.right == b.right && a.forward == b.forward;
 }
 
-// Half sizes along the scene's axes; of a frame that turns those of all ways that it may stand.
+// Half sizes along the scene's axes; for a frame that turns, those of all orientations that it may
+// take.
 Vec3 half_size(const Sensor& sensor, const Pose& pose, Film film, bool turns) {
   const Vec3 extent = sensor.extent(pose, film);
   if (turns) return length(extent) * Vec3{1.0f, 1.0f, 1.0f};
@@ -31,7 +32,7 @@ void add_around(Box& box, Vec3 position, Vec3 half) {
   box.add(position + half);
 }
 
-// What is not within the hollow.
+// The part of the box that is not within the hollow.
 std::vector<Box> shell(const Box& whole, Vec3 centre, float hollow) {
   std::vector<Box> cells;
   const Vec3 cell = (1.0f / kCells) * (whole.high - whole.low);

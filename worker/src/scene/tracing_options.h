@@ -56,7 +56,8 @@ struct TracingOptions {
   bool roulette_by_weight;
   /// Vertices before roulette starts.
   std::uint32_t roulette_after;
-  /// Interactions after which it is absorbed; what it passes straight through does not count.
+  /// Interactions after which it is absorbed; surfaces that it passes straight through do not
+  /// count.
   std::uint32_t max_depth;
   MixtureWeights mixture;
   Estimator estimator;
@@ -69,18 +70,19 @@ struct TracingOptions {
   Direction direction;
   /// Part of the photons from luminaires that is drawn towards important shapes, [0, 1).
   float aimed_emission;
-  /// Photons from luminaires for each from a pixel, where they go both ways: with another number
-  /// than 1 they have ranges of their own on any film.
+  /// Photons from luminaires for each from a pixel, where both directions are traced: with another
+  /// number than 1 they have separate ranges on any film.
   double forward_ratio;
   SequenceKind sequence;
   std::uint64_t seed;
   /// Photons towards lights go where light was learned to come from, too.
   bool guide = true;
   /// Light of luminaires with a lower radiance does not count, W m-2 sr-1 nm-1: a pilot looks for
-  /// what is bright and rare alone.
+  /// bright and rare light alone.
   float least_radiance = 0.0f;
-  /// The same of what mirrors and glass turn into a photon's way: all counts, or that alone as it
-  /// is met, or as photons nearly meet it (widened_lamps.h), or the square of what they would find.
+  /// The same of light that mirrors and glass turn into a photon's path: all counts, or that alone
+  /// as it is met, or as photons nearly meet it (widened_lamps.h), or the square of what they would
+  /// find.
   enum class Gathered : std::uint8_t { kWithAll, kMet, kNearlyMet, kNearlyMetSquared };
   Gathered gathered = Gathered::kWithAll;
 };

@@ -1,4 +1,4 @@
-// What photons from luminaires should be aimed at, by places that were worth reaching
+// Targets that photons from luminaires should be aimed at, by places that were worth reaching
 // (docs/decisions/0081-learned-aims.md).
 #pragma once
 

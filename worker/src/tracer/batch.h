@@ -1,4 +1,4 @@
-// The photons that go through the stages together, and what is known of each between two stages.
+// The photons that go through the stages together, and the state kept of each between two stages.
 #pragma once
 
 #include <bit>
@@ -15,7 +15,7 @@
 namespace nocturne {
 
 /// Groups that are traced together unless a test wants it otherwise: enough of the same work for
-/// every stage, and what is kept of each stays near the processor.
+/// every stage, and the state of each stays near the processor.
 inline constexpr std::uint32_t kBatchGroups = 512;
 
 /// Samples in a batch of so many groups. Where vertices split, a sample becomes many of them; those
@@ -44,8 +44,8 @@ struct BatchSample {
 struct Encounter {
   /// The group ends here; nothing more is asked.
   bool ended = false;
-  /// A forward photon that was connected to the camera on its way through thin media: what collides
-  /// there is not connected again.
+  /// A forward photon that was connected to the camera on its path through thin media: the part
+  /// that collides there is not connected again.
   bool connected_in_media = false;
   /// What touches the hit: index into Batch::contacts, or kNoContacts.
   std::uint32_t contacts = kNoContacts;
@@ -53,7 +53,7 @@ struct Encounter {
   static constexpr std::uint32_t kNoContacts = ~0u;
 };
 
-/// What light adds to a tally if the way to it is free.
+/// The light that is added to a tally if it is not occluded.
 template <int N>
 struct ShadowRay {
   TimedRay way;
@@ -63,7 +63,7 @@ struct ShadowRay {
   bool direct;
 };
 
-/// A forward photon on its way to the camera.
+/// A forward photon that flies towards the camera.
 template <int N>
 struct CameraRay {
   Group<N> group;
@@ -73,7 +73,7 @@ struct CameraRay {
   enum class State : std::uint8_t { kUnderWay, kHidden, kThere } state = State::kUnderWay;
 };
 
-/// Estimator counts what photons meet; it has
+/// Estimator counts the light or the sensors that photons meet; it has
 ///   kTransport
 ///   flies(sample, group, hit or null)  for every ray, before the body on the way absorbs
 ///   arrives(sample, group, hit)        for a surface that was met, after that
@@ -127,7 +127,7 @@ struct Batch {
   const bool both;
   /// Whether groups note their paths' ends.
   const bool knows_ends;
-  /// Whether a way to a light is free is all that is asked. Guided photons pass mirrors.
+  /// Visibility of a light is the only question. Guided photons pass mirrors.
   const bool occlusion_decides;
   Estimator& estimator;
   PathLimits limits;

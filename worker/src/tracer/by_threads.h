@@ -12,7 +12,7 @@
 namespace nocturne {
 
 /// Calls work(0) .. work(count - 1), each once and begun in this order, in this and further
-/// threads. Where one throws, the others stop after what they are at, and it is thrown again from
+/// threads. Where one throws, the others stop after their current call, and it is thrown again from
 /// here.
 template <class Work>
 void by_threads(std::size_t count, unsigned threads, const Work& work) {

@@ -14,8 +14,8 @@ namespace {
 /// guided photon's, which looks up learned light and asks its cells, in rays of others: measured,
 /// docs/decisions/0062 and 0104.
 constexpr double kForwardCost = 1.5, kGuideCost = 1.1;
-/// Standard errors of the logarithm of an error by which it may be told too small: with 0.2 to 1 of
-/// them pilots chose as well (docs/decisions/0130).
+/// Standard errors of the logarithm of an error by which it may be estimated too small: with 0.2 to
+/// 1 of them pilots chose as well (docs/decisions/0130).
 constexpr double kCaution = 0.5;
 /// Standard errors by which photons from the sensor alone must be better than those from both ends.
 constexpr double kSurely = 3.0;
@@ -34,8 +34,8 @@ void for_each_kind(const PilotMethod& method, const F& f) {
   if (method.luminaires) f(*method.luminaires);
 }
 
-/// Photons from the sensor alone look better than they are where they met too little of what is
-/// rare.
+/// Photons from the sensor alone look better than they are where they met too little of the rare
+/// light.
 void prefer_both_ends(std::vector<MethodFigures>& methods) {
   const MethodFigures& best = *std::ranges::min_element(methods, {}, [](const auto& each) {
     const bool from_both = each.comparable() && each.method.luminaires;
@@ -62,7 +62,7 @@ std::vector<double> means_of_method(const PilotMethod& method, const ImagesOfKin
   return sum;
 }
 
-/// Y around each pixel, of all methods by what is certain of their means.
+/// Y around each pixel, of all methods, weighted by how certain their means are.
 std::vector<double> shown_by(const std::vector<MethodFigures>& methods,
                              const ImagesOfKind& images) {
   double least = std::numeric_limits<double>::infinity();

@@ -40,7 +40,7 @@ struct MethodFigures {
 };
 
 /// Sharing must be so many times better than each pixel alone; and photons from the sensor alone
-/// than those from both ends, which find what is rare, unless they are surely better.
+/// than those from both ends, which find rare light, unless they are surely better.
 constexpr double kWorthIt = 1.25;
 /// A mean that is less than so many standard errors is not certain.
 constexpr double kCertain = 3.0;
@@ -58,7 +58,7 @@ std::vector<MethodFigures> figures_of_methods(const std::vector<PilotMethod>& me
 double best_forward_ratio(const PilotFigures& sensor, const PilotFigures& luminaires,
                           double about = 1.0);
 
-/// By merit; what is comparable before what is not.
+/// By merit; comparable methods come before those that are not.
 bool is_better(const MethodFigures& one, const MethodFigures& other);
 
 /// Normal quantiles: one false alarm in a thousand, where it costs a better method; and one in

@@ -1,5 +1,5 @@
 // How far photons get in media. A medium is a surface that is there by chance: each medium on the
-// way is tried on its own, with numbers of its own, and the nearest hit wins (Morley et al. 2006,
+// path is tried separately, with its own numbers, and the nearest hit wins (Morley et al. 2006,
 // section 5), so that media may overlap as they like.
 //
 // Photons of a group meet a medium at different places where its extinction depends on the
@@ -10,8 +10,8 @@
 // null-scattering path integral formulation of light transport", SIGGRAPH 2019). In grey media all
 // of this is 1.
 //
-// Long, as the ways to meet media (collide, force, pass) share one state: what is present where a
-// group is. How one varying medium is walked through lies in delta_tracking.h.
+// Long, as the methods of meeting media (collide, force, pass) share one state: the media present
+// where a group is. The walk through one varying medium lies in delta_tracking.h.
 #pragma once
 
 #include <algorithm>
@@ -39,14 +39,13 @@ class FreeFlight {
   FreeFlight(const Scene& scene, const Spectral<N>& wavelengths_nm, PathLimits& limits)
       : scene_(scene), wavelengths_(wavelengths_nm), limits_(limits) {}
 
-  /// What follows is about the media in these bodies; false where there are none.
+  /// Later calls are about the media in these bodies; false where there are none.
   bool enter(const InteriorList& inside) {
     if (!(inside == inside_)) find_present(inside);
     return !present_.empty();
   }
 
-  /// The nearest collision before `end`, as the hit of a surface, and what it is worth to each
-  /// photon.
+  /// The nearest collision before `end`, as the hit of a surface, and its weight for each photon.
   std::optional<Hit> collide(Group<N>& group, float nearest) const {
     const Ray ray = from_surface(group);
     const float end = nearest + group.skipped;
@@ -318,8 +317,9 @@ class FreeFlight {
     return choose(shares, u * constant_[lead]);
   }
 
-  // Through the media that vary. Where a later one is hit before an earlier one's way ended, what
-  // the earlier did beyond is taken back by doing it once more. False where it took too long.
+  // Through the media that vary. Where a later one is hit before an earlier one's flight ended, the
+  // part of the earlier flight beyond is taken back by doing it once more. False where it took too
+  // long.
   bool fly(const Ray& ray, const Uniform4& u, std::size_t lead, float end, Way& way) const {
     bool shortened = false;
     for (std::size_t i = 0; i < present_.size(); ++i) {
@@ -402,7 +402,7 @@ class FreeFlight {
     return left;
   }
 
-  // Constant media enter in closed form, now that the way is known.
+  // Constant media enter in closed form, now that the flight is known.
   void weigh(Group<N>& group, std::size_t lead, const Way& way) const {
     if constexpr (N > 1) {
       Spectral<N> p = way.probability;

@@ -1,4 +1,4 @@
-// Photons on their way together.
+// Photons that follow a path together.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,8 @@
 
 namespace nocturne {
 
-/// Which of the two ways to a light drew a direction, as long as a light that is met could have
-/// been found by both. The weights of both ways add up to one.
+/// Which of the two techniques that sample a light drew a direction, as long as a light that is met
+/// could have been found by both. The weights of both techniques add up to one.
 enum class MisTechnique {
   kNone,
   /// Drawn by the kernel; the weight holds the division by its density.
@@ -75,7 +75,7 @@ struct Group {
   Departure departure = {};
   /// Which of the batch's samples it belongs to.
   std::uint32_t sample = 0;
-  /// Of the estimator, where what it finds is counted: the sample's own, or what is shared.
+  /// Of the estimator, where the light it finds is counted: the sample's own, or a shared one.
   std::uint32_t tally = 0;
   /// Way from the last surface to where the ray starts, m; set inside of bodies only, and zero
   /// where the departure is exact.
@@ -84,9 +84,9 @@ struct Group {
   Vec3 step = {0.0f, 0.0f, 0.0f};
   /// Width of the footprint, m.
   float width = 0.0f;
-  /// What each photon carries; zero for those that are gone or went another way.
+  /// The weight that each photon carries; zero for those that are gone or took another path.
   Spectral<N> weight = 1.0f;
-  /// How likely each photon would have been to take the way so far, as media met and turned it by
+  /// How likely each photon would have been to take the path so far, as media met and turned it by
   /// chance; relative, sum 1 over those that are there.
   Spectral<N> path_pdf_ratio = 1.0f / N;
   InteriorList inside;
@@ -118,8 +118,8 @@ bool sees_past(const Group<N>& group, HiddenFrom hidden_from) {
   return false;
 }
 
-/// Whether light that it meets now is direct: on its way are one interaction at most, and what lets
-/// it straight through. What a `max_depth` of 1 traces.
+/// Whether light that it meets now is direct: its path has one interaction at most, and boundaries
+/// that let it straight through. This is the light that a `max_depth` of 1 traces.
 template <int N>
 bool meets_direct_light(const Group<N>& group) {
   return group.depth - group.passes <= 1;

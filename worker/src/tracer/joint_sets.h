@@ -1,6 +1,6 @@
-// Which sets of a photon's numbers are dimensions of one sequence: those of questions that decide
-// together what it brings (docs/decisions/0097). A photon has one set at each vertex, and numbers
-// towards lights come from branch 1 behind it.
+// Which sets of a photon's numbers are dimensions of one sequence: those of questions that jointly
+// decide the light it brings (docs/decisions/0097). A photon has one set at each vertex, and
+// numbers towards lights come from branch 1 behind it.
 #pragma once
 
 #include "sampling/sequence.h"
@@ -23,8 +23,8 @@ constexpr JointSets joint_sets_of_pixel(std::uint32_t before, bool lights_film) 
   return before == 1 ? JointSets{{0, light}, 2, true} : JointSets{{0, 1, light}, 3, true};
 }
 
-/// Of the photons of a block, from their first vertices on: by which way to the second ones, and
-/// by which light these are lit or where the photons go on.
+/// Of the photons of a block, from their first vertices on: in which direction to the second ones,
+/// and by which light these are lit or where the photons go on.
 constexpr JointSets joint_sets_of_block(std::uint32_t before) {
   return {{set_of_direction(before, 1), set_of_light(before, 2), set_of_direction(before, 2)}, 3};
 }

@@ -19,7 +19,7 @@ namespace {
 /// Groups that one thread traces before it takes others.
 constexpr std::uint64_t kChunk = 1u << 14;
 
-/// Where a photon first came: a sensor on its way, or a surface.
+/// Where a photon first came: a sensor on its path, or a surface.
 template <int N>
 std::optional<Vec3> first_place(const Scene& scene, Film film, const Start<N>& from) {
   const auto hit = scene.geometry.intersect(from.ray, from.time, from.departure);
@@ -80,8 +80,8 @@ Learned learn(Scene& scene, Film film, double photons, unsigned threads) {
   if (direction == Direction::kAdjoint) return {};
   if (direction == Direction::kBoth && !scene.has_mirrors) return {};
   const TracingOptions before = scene.options;
-  // What a person had them aimed at is where the camera looks: what it sees in mirrors lies
-  // elsewhere.
+  // A person has photons aimed at the things that the camera looks at: the things it sees in
+  // mirrors lie elsewhere.
   scene.options.aimed_emission = 0.0f;
   scene.options.seed = ~before.seed;
   const auto all = static_cast<std::uint64_t>(std::max(1.0, photons));

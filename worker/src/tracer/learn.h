@@ -14,7 +14,7 @@ namespace nocturne {
 struct Learned {
   /// Where photons first came that left a luminaire and reached the sensor.
   std::vector<Vec3> worth_aiming_at;
-  /// Photons that came to what is like a diffuse surface, by mirrors and clear glass alone: at most
+  /// Photons that came to surfaces like diffuse ones, by mirrors and clear glass alone: at most
   /// LearnedLight::kMaxArrivals, spread over all. With both directions only.
   std::vector<LearnedLight::Arrival> arrivals;
   std::uint64_t photons = 0, rays = 0;

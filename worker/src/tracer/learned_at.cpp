@@ -16,7 +16,7 @@ std::optional<Vec3> sent_on(const Scene& scene, const Vertex<1>& vertex) {
                        const auto draw = kernel.sample(vertex.wo, kMiddle, 0);
                        if (!draw || !draw->delta) return std::nullopt;
                        const bool straight = draw->wi == -vertex.wo;
-                       // Paint has a coat that mirrors, and is what is looked for.
+                       // Paint has a coat that mirrors, and is itself looked for.
                        if (kernel.smooth() && !straight) return std::nullopt;
                        return draw->wi;
                      });

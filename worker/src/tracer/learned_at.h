@@ -1,5 +1,5 @@
-// What was learned of light at the place that a pixel shows (docs/decisions/0104-learned-light.md):
-// to be looked at, not for tracing.
+// The light that was learned at the place that a pixel shows
+// (docs/decisions/0104-learned-light.md): to be looked at, not for tracing.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ struct LearnedAt {
   Vec3 normal;
   /// Of the ray that meets the surface there.
   Vec3 direction;
-  /// Mirrors and clear boundaries on the way there.
+  /// Mirrors and clear boundaries on the path to it.
   std::uint32_t passed;
   /// None where nothing was learned nearby.
   std::vector<LearnedLight::Cone> cones;

@@ -1,5 +1,5 @@
-// The way from a sensor to what it shows: the surfaces that are seen on it, one after the other.
-// No light is counted, and media are not looked at.
+// The path from a sensor to the place it shows: the surfaces that are seen on it, one after the
+// other. No light is counted, and media are not looked at.
 #pragma once
 
 #include "tracer/stages/travel.h"

@@ -14,7 +14,8 @@ class TracingStopped : public std::exception {
   const char* what() const noexcept override { return "tracing was stopped"; }
 };
 
-/// Of one batch; counts what it ends. A path that is ended misses light: the image is biased.
+/// The limits of one batch; counts the paths that it ends. A path that is ended misses light: the
+/// image is biased.
 class PathLimits {
  public:
   /// Rays of a path, and tentative collisions on one flight through a medium. A walk through a slab

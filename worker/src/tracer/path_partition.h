@@ -3,8 +3,8 @@
 // glass, or as good as one; the smooth coat of paint and a pane where they mirror) or diffuse-like
 // (all others, media too). A path is a forward photon's if its interaction next to the luminaire is
 // specular-like, or so near to it as a lamp's housing is, and another one, next to the camera, is
-// diffuse-like and not near; all others are adjoint photons'. So both know from their own way what
-// is theirs: no weights, no densities of the other direction.
+// diffuse-like and not near; all others are adjoint photons'. So both know from their own path
+// which light is theirs: no weights, no densities of the other direction.
 #pragma once
 
 #include <cstdint>
@@ -22,8 +22,8 @@ struct Interaction {
   bool straight;
   /// So near to the camera that a forward photon would count by far too much there.
   bool near_camera;
-  /// So near to the luminaire that an adjoint photon would come there by chance alone, through what
-  /// is around both. Of forward photons.
+  /// So near to the luminaire that an adjoint photon would come there by chance alone, through the
+  /// housing around both. Of forward photons.
   bool near_luminaire = false;
 
   constexpr bool as_if_nothing_were_there() const { return straight && !specular_like; }

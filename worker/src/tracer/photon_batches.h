@@ -21,7 +21,7 @@ class PhotonBatches {
   /// `counts`.
   void trace(std::uint64_t first, std::size_t count, TileSums& counts);
 
-  /// What they brought: by photon (from 0 for `first`), then as it was counted.
+  /// The splats that they brought: by photon (from 0 for `first`), then as it was counted.
   const std::vector<Splat<N>>& splats() { return estimator_.splats(); }
   const Estimator& estimator() const { return estimator_; }
   /// Adds a splat to the values of its pixel's sample; returns the invalid samples in it.

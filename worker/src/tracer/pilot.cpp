@@ -15,8 +15,9 @@
 namespace nocturne {
 namespace {
 
-/// Part of the render's rays that a pilot takes with what was learned from, and the most of them;
-/// and part of a small render's, from what tells anything to what is a matter of a second.
+/// Part of the render's rays that a pilot takes including those it learned from, and the most of
+/// them; and part of a small render's, between the least that is informative and a matter of a
+/// second.
 constexpr double kPart = 0.024, kMostRays = 12e6;
 constexpr double kPartOfSmall = 0.2, kLeastRays = 0.25e6, kEnoughRays = 2e6;
 /// Samples of a pixel in the first round, and in the last; each has four times as many as the one
@@ -139,7 +140,7 @@ class Pilot {
     if (all_light && methods_.back().luminaires) look_for_rare_light();
   }
 
-  /// What is rare hides in the noise of other light: it is looked for alone.
+  /// Rare light hides in the noise of other light: it is looked for alone.
   void look_for_rare_light() {
     const PhotonKind sensor = *best_.method.sensor;
     const PilotMethod method = surest_beside(sensor);

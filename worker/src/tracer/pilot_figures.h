@@ -1,4 +1,4 @@
-// What a pilot's images tell of photons of one kind.
+// The figures that a pilot's images give for photons of one kind.
 #pragma once
 
 #include <array>

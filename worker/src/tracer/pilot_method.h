@@ -24,7 +24,7 @@ struct PhotonKind {
   bool guided = false;
   /// From luminaires: the part that is aimed at important shapes.
   float aimed = 0.0f;
-  /// Pixels that share what photons from the sensor find.
+  /// Pixels that share the light found by photons from the sensor.
   std::uint32_t sharing = 1;
 
   auto operator<=>(const PhotonKind&) const = default;

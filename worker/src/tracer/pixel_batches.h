@@ -16,8 +16,8 @@ namespace nocturne {
 /// One sample of one pixel.
 struct PixelIndex {
   std::uint32_t x, y, sample;
-  /// The first of a block of neighbours that share what they find; all others have its wavelengths
-  /// and time.
+  /// The first of a block of neighbours that share the light they find; all others have its
+  /// wavelengths and time.
   bool leads = true;
 };
 

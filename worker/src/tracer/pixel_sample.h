@@ -46,7 +46,7 @@ PixelSample<N> sample_pixel(const Scene& scene, Film film, std::uint32_t x, std:
   return sample;
 }
 
-/// With wavelengths of its own.
+/// A sample with its own wavelengths.
 template <int N>
 PixelSample<N> sample_pixel(const Scene& scene, Film film, std::uint32_t x, std::uint32_t y,
                             const PixelNumbers& u) {

@@ -13,7 +13,7 @@ namespace {
 /// missing: a tenth of what most renders are asked for.
 constexpr double kOneFind = 1e-4, kCounts = 1e-3;
 /// Photons from the sensor whose error is so many times larger meet the light in finds so rare that
-/// an image's errors don't tell of them; where it is less, both directions are about as sure.
+/// an image's errors don't show them; where it is less, both directions are about as sure.
 constexpr double kMuchLessCertain = 2.0;
 /// Where photons from the sensor found nothing at all of the light, others are certain of it that
 /// are some four of each image.

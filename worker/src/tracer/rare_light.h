@@ -10,12 +10,12 @@ namespace nocturne {
 
 /// A mean of rare light that is so many standard errors is certain.
 constexpr double kSure = 5.0;
-/// Standard errors by which two means differ so far that it is told; and those above what was met
-/// up to which there may be more.
+/// Standard errors by which two means differ so far that it is reported; and those above the met
+/// light up to which there may be more.
 constexpr double kStandardErrors = 2.0;
 
-/// What photons from both ends met of it. That of the luminaires is what they would bring; that of
-/// the sensor is the same light, where these have to bring it.
+/// The rare light that photons from both ends met. That of the luminaires is the light they would
+/// bring; that of the sensor is the same light, where these have to bring it.
 struct RareLight {
   MeanLight by_forward, by_adjoint;
 };

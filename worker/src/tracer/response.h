@@ -1,4 +1,4 @@
-// From what a group of photons found to what it adds to a pixel.
+// From the radiance that a group of photons found to the values that it adds to a pixel.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 namespace nocturne {
 
 /// The mean over a group's photons of response x radiance, for X, Y, Z and then each further
-/// response. Photons that found what is no radiance are left out and counted.
+/// response. Photons that found a value that is no radiance are left out and counted.
 template <int N>
 class Response {
  public:
@@ -42,7 +42,7 @@ class Response {
   }
 
  private:
-  /// Nothing of what is left out.
+  /// Nothing of the light that is left out.
   static Spectral<N> part(LightPart which, const Spectral<N>& kept, const Spectral<N>& direct) {
     if (which == LightPart::kWhole) return kept;
     return each(

@@ -23,7 +23,7 @@ class ArrivalEstimator : public CameraEstimator<N> {
   }
   void glows(const BatchSample<N>&, const Group<N>& group, const Hit& hit) { keep(group, hit); }
 
-  /// At what is like a diffuse surface, and in media.
+  /// On surfaces that are like diffuse ones, and in media.
   const std::vector<LearnedLight::Arrival>& arrivals() const { return arrivals_; }
 
  private:

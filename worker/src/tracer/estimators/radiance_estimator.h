@@ -96,13 +96,13 @@ class RadianceEstimator {
     return rounded;
   }
 
-  // Whether light that a group meets is an adjoint photon's, and what is asked for.
+  // Whether light that a group meets is an adjoint photon's, and is of the kind asked for.
   bool counts_for(const Group<N>& group) const {
     if (both() && brought_by(group.ends) != Transport::kAdjoint) return false;
     if (scene_.options.gathered == Gathered::kWithAll) return true;
     return group.ends.specular_like_at_luminaire && is_turned(group);
   }
-  // What goes straight on through panes meets lamps as if nothing were there.
+  // A photon that goes straight on through panes meets lamps as if nothing were there.
   static bool is_turned(const Group<N>& group) {
     constexpr float kStraight = 1e-6f;  // square of an angle that no lens leaves by chance
     if (group.mis.technique == MisTechnique::kNone) return true;
