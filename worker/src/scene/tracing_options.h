@@ -80,9 +80,9 @@ struct TracingOptions {
   /// Light of luminaires with a lower radiance does not count, W m-2 sr-1 nm-1: a pilot looks for
   /// bright and rare light alone.
   float least_radiance = 0.0f;
-  /// The same of light that mirrors and glass turn into a photon's path: all counts, or that alone
-  /// as it is met, or as photons nearly meet it (widened_lamps.h), or the square of what they would
-  /// find.
+  /// The same of light that mirrors and glass turn into a photon's path: all counts, or only such
+  /// light as it is met, or as photons nearly meet it (widened_lamps.h), or the square of the light
+  /// that they would find.
   enum class Gathered : std::uint8_t { kWithAll, kMet, kNearlyMet, kNearlyMetSquared };
   Gathered gathered = Gathered::kWithAll;
 };

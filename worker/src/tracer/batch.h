@@ -75,7 +75,7 @@ struct CameraRay {
 
 /// Estimator counts the light or the sensors that photons meet; it has
 ///   kTransport
-///   flies(sample, group, hit or null)  for every ray, before the body on the way absorbs
+///   flies(sample, group, hit or null)  for every ray, before the body it crosses absorbs
 ///   arrives(sample, group, hit)        for a surface that was met, after that
 ///   glows(sample, group, hit)          for a medium, likewise
 /// and, where forward photons are connected to the sensor,

@@ -22,8 +22,8 @@ struct Interaction {
   bool straight;
   /// So near to the camera that a forward photon would count by far too much there.
   bool near_camera;
-  /// So near to the luminaire that an adjoint photon would come there by chance alone, through the
-  /// housing around both. Of forward photons.
+  /// So near to the luminaire that an adjoint photon would come there by chance alone, over
+  /// whatever surrounds both. It applies to forward photons.
   bool near_luminaire = false;
 
   constexpr bool as_if_nothing_were_there() const { return straight && !specular_like; }

@@ -263,7 +263,7 @@ class Pilot {
   /// Empty where there is nothing but sharing to choose.
   Film small_film_{0, 0};
   std::uint32_t samples_ = 0;
-  /// The plainest, and what was best beside it in the last round that it had part in.
+  /// The plainest method, and the best compared with it in the last round that it had part in.
   MethodFigures plain_, beside_plain_, best_;
   bool finds_rare_light_ = false;
   double gain_of_sharing_ = 1.0, sharing_error_ = 0.0;

@@ -22,7 +22,7 @@ struct PilotImages {
 /// Of pixels in groups, such that neighbours are in different ones.
 using GroupErrors = std::array<double, 16>;
 
-/// What photons of one kind did.
+/// The counts and results of photons of one kind.
 struct PilotFigures {
   PhotonKind kind;
   /// Mean Y of the pilot's pixels, and its standard error.

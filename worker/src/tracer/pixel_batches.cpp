@@ -10,8 +10,8 @@
 namespace nocturne {
 namespace {
 
-/// Whose numbers: a pixel's, or a block's by its first pixel; of these, those that its pixels have
-/// in place of their separate ones. Films are smaller.
+/// Whose numbers: a pixel's, or a block's by its first pixel; of these, those that replace its
+/// pixels' own. Films are smaller.
 constexpr std::uint32_t kOfBlock = 1u << 31, kInPlaceOfOwn = 1u << 30;
 
 }  // namespace

@@ -9,8 +9,8 @@
 namespace nocturne {
 namespace {
 
-/// Part of the mean that one find is, from which light is rare; and part that counts where it is
-/// missing: a tenth of what most renders are asked for.
+/// Light is rare where one hit is at least this part of the mean; and the part that counts where it
+/// is missing: a tenth of the error that most renders are asked for.
 constexpr double kOneFind = 1e-4, kCounts = 1e-3;
 /// Photons from the sensor whose error is so many times larger meet the light in finds so rare that
 /// an image's errors don't show them; where it is less, both directions are about as sure.

@@ -1,8 +1,8 @@
-// What neighbouring pixels share (docs/decisions/0061; Bekaert, Sbert and Halton, "Accelerating
-// Path Tracing by Re-Using Paths", EGRW 2002). Each photon's first vertex x and second vertex y are
-// kept; what comes from y towards x is counted apart, and in the end every first vertex of the
-// block takes it by its own kernel, weighted by the balance heuristic over all photons of the block
-// that could have found y (Veach 1997).
+// The light that neighbouring pixels share (docs/decisions/0061; Bekaert, Sbert and Halton,
+// "Accelerating Path Tracing by Re-Using Paths", EGRW 2002). Each photon's first vertex x and
+// second vertex y are kept; the radiance from y towards x is counted apart, and in the end every
+// first vertex of the block takes it by its own kernel, weighted by the balance heuristic over all
+// photons of the block that could have found y (Veach 1997).
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@ struct FirstVertex {
   std::uint32_t kernel;
   Shading<N> shading;
   float survival;
-  /// What each photon carried there, weakened by media on its way.
+  /// The weight that each photon carried there, weakened by the media it crossed.
   Spectral<N> weight;
   /// Of photons in both directions: what starts here may be a forward photon's.
   bool diffuse_like;
@@ -34,7 +34,7 @@ struct FirstVertex {
 template <int N>
 struct SecondVertex {
   std::uint32_t sample;
-  /// Where what they find from there on is counted, as of weight 1.
+  /// The tally of the light that they find from there on, as of weight 1.
   std::uint32_t tally;
   /// What each carried there; zero for those that went elsewhere.
   Spectral<N> weight;
@@ -50,7 +50,7 @@ struct SecondLanes {
   static constexpr std::size_t kCount = 8;
   using Floats = std::array<float, kCount>;
 
-  /// Positions, the normals of the surfaces and of the kernels; what is not there is a zero.
+  /// Positions, the normals of the surfaces and of the kernels; missing ones are zero.
   Floats x{}, y{}, z{}, nx{}, ny{}, nz{}, kx{}, ky{}, kz{};
 
   template <int N>

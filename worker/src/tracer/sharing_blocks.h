@@ -1,6 +1,6 @@
-// Pixels whose photons share what they find (docs/decisions/0061): squares of 4 x 4, cut off at the
-// tile's edge. The grid is shifted from run to run of samples, so that no pattern of squares stays
-// in the image.
+// Pixels whose photons share the light they find (docs/decisions/0061): squares of 4 x 4, cut off
+// at the tile's edge. The grid is shifted from run to run of samples, so that no pattern of squares
+// stays in the image.
 #pragma once
 
 #include <algorithm>
@@ -37,7 +37,7 @@ constexpr std::uint32_t number_in_block(std::uint32_t sample, std::uint32_t plac
   return run.first * kSharingPixels + place * (run.end - run.first) + sample - run.first;
 }
 
-/// How far the grid is shifted in a run of samples, each way below the side. All shifts
+/// How far the grid is shifted in a run of samples, below the side in each direction. All shifts
 /// have their turn, and those of four runs are far apart.
 struct SharingShift {
   std::uint32_t x, y;

@@ -16,7 +16,7 @@ namespace {
 
 /// Part of a pixel's samples that is drawn from the rectangle.
 constexpr float kShare = 0.25f;
-/// Up to this part of the pixel a rectangle is worth samples of its own.
+/// Up to this part of the pixel a rectangle is worth separate samples.
 constexpr float kWorthwhile = 0.25f;
 constexpr float kWidest = 2.0f;  // pixels
 constexpr std::size_t kMostElements = 1024;
@@ -29,7 +29,7 @@ constexpr int kRimPoints = 16;
 SmallLights::SmallLights(const Scene& scene, Film film) {
   const Sensor& sensor = scene.sensor;
   const Elements& elements = scene.lights.luminaires().elements();
-  // Around what is seen in these directions, if all of them are on the film.
+  // The rectangle around the points seen in these directions, if all of them are on the film.
   const auto rectangle = [&](std::span<const Vec3> directions) -> std::optional<Rectangle> {
     constexpr float kFar = std::numeric_limits<float>::infinity();
     Rectangle seen{kFar, kFar, -kFar, -kFar};
@@ -39,7 +39,7 @@ SmallLights::SmallLights(const Scene& scene, Film film) {
       seen = {std::min(seen.left, point->x), std::min(seen.top, point->y),
               std::max(seen.right, point->x), std::max(seen.bottom, point->y)};
     }
-    // What lies across the seam of a panorama is as wide as the film.
+    // A light across the seam of a panorama is as wide as the film.
     if (!(seen.area() <= 1.0f && seen.right - seen.left <= kWidest &&
           seen.bottom - seen.top <= kWidest)) {
       return std::nullopt;
@@ -79,10 +79,10 @@ SmallLights::SmallLights(const Scene& scene, Film film) {
   std::erase_if(places_, [](const auto& each) { return each.second.area() > kWorthwhile; });
 }
 
-/// Around it and what is there, in each pixel that it meets.
+/// Enlarges the rectangle of each pixel that `seen` meets so that it holds `seen` there too.
 void SmallLights::add(Film film, const Rectangle& seen) {
-  // As a whole number within the film: what is seen may lie farther beside it than an integer
-  // tells.
+  // As a whole number within the film: the seen rectangle may lie farther outside it than an
+  // integer can hold.
   const auto within = [](float place, std::uint32_t size) {
     return static_cast<std::uint32_t>(std::clamp(place, 0.0f, static_cast<float>(size)));
   };

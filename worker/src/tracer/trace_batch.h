@@ -1,11 +1,11 @@
 // The tracing loop, for both directions: from the sensor to the luminaires, counting light, and
-// from the luminaires to the sensor, counting what meets it. Morley et al., "Image Synthesis using
-// Adjoint Photons", GI 2006, sections 2 to 4; in stages over a batch of photons: Laine, Karras and
-// Aila, "Megakernels Considered Harmful", HPG 2013; docs/decisions/0038.
+// from the luminaires to the sensor, counting the sensors that meet it. Morley et al., "Image
+// Synthesis using Adjoint Photons", GI 2006, sections 2 to 4; in stages over a batch of photons:
+// Laine, Karras and Aila, "Megakernels Considered Harmful", HPG 2013; docs/decisions/0038.
 //
 // Photons of one group share their numbers, and so every decision that does not depend on the
-// wavelength; where one differs they part and go on as groups of their own. What becomes of a group
-// does not depend on the others of its batch.
+// wavelength; where one differs they part and go on as separate groups. The outcome of a group does
+// not depend on the others of its batch.
 #pragma once
 
 #include "tracer/stages/connect.h"

@@ -26,8 +26,8 @@ void add_tile(const TileSums& tile, const TileRange& where, std::size_t index, T
 /// Sums of the film, row by row; photons, rays and invalid samples of all tiles. A tile's ranges
 /// are added up in sample order, and ranges of forward photons in theirs, so the bits don't depend
 /// on the number of threads; each thread may hold such a range, which is as large as the film.
-/// `progress` is told the share of photons traced, from any thread, one at a time. Throws what
-/// tracing a tile throws.
+/// `progress` is called with the share of photons traced, from any thread, one at a time. Throws
+/// the errors that tracing a tile throws.
 TileSums trace_film(const Scene& scene, const FilmPlan& plan, unsigned threads,
                     const std::function<void(double)>& progress);
 

@@ -62,7 +62,7 @@ class PhotonsOnFilm {
     return {tile, std::size_t{y} * sums_.block_columns() + x, splat.pixel, &splat};
   }
 
-  /// All that one photon brought: what it has in a pixel, a block and a tile is squared there.
+  /// All light that one photon brought: its sum in a pixel, a block and a tile is squared there.
   void add_photon() {
     std::ranges::stable_sort(fallen_, {}, &Fallen::place);
     for (std::size_t i = 0; i < fallen_.size(); ++i) {

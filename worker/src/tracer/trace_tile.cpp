@@ -17,8 +17,8 @@ TileSums trace_photons(const Scene& scene, Film film, const TileRange& range, Si
                        std::uint32_t groups, const std::stop_token& stop) {
   const Direction direction = scene.options.direction;
   const bool whole_film = range.width == film.width && range.height == film.height;
-  // Photons from luminaires come in ranges of their own where the film has several tiles, or where
-  // they are not as many as those from pixels.
+  // Photons from luminaires come in separate ranges where the film has several tiles, or where they
+  // are not as many as those from pixels.
   const bool apart = side == Side::kBoth && direction == Direction::kBoth &&
                      (!whole_film || scene.options.forward_ratio != 1.0);
   if (side == Side::kSensor || direction == Direction::kAdjoint || apart) {

@@ -15,8 +15,8 @@ namespace nocturne {
 TileSums trace_tile(const Scene& scene, Film film, const TileRange& range,
                     std::uint32_t batch_groups = kBatchGroups, const std::stop_token& stop = {});
 
-/// What photons from one side alone bring: with both directions each a part of all light. Those
-/// from luminaires need the whole film.
+/// The light that photons from one side alone bring: with both directions each a part of all light.
+/// Those from luminaires need the whole film.
 TileSums trace_from_sensor(const Scene& scene, Film film, const TileRange& range,
                            const std::stop_token& stop = {});
 TileSums trace_from_luminaires(const Scene& scene, Film film, const TileRange& range,

@@ -35,7 +35,7 @@ class FilmSamples {
     return &values_[cell * per_pixel_];
   }
 
-  /// Adds what was touched to the film's sums, in the order of the samples; `first` is the number
+  /// Adds the touched pixels to the film's sums, in the order of the samples; `first` is the number
   /// of the first of these samples in `blocks`.
   void add_to(TileSums& film, BlockSamples& blocks, std::uint32_t first) {
     std::sort(cells_.begin(), cells_.end());

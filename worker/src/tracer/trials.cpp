@@ -36,7 +36,7 @@ Film Trials::reduced(double pixels) const {
   if (pixels >= pixels_of(film_)) return film_;
   const double aspect = static_cast<double>(film_.width) / film_.height;
   const double height = std::sqrt(std::max(kLeastPixels, pixels) / aspect);
-  // What other sides have would show more or less of the scene, in few pixels much more.
+  // Films of another aspect ratio would show more or less of the scene, in few pixels much more.
   Film best{0, 0};
   double least = std::numeric_limits<double>::infinity();
   const double first = std::max(1.0, std::floor(height / kAbout));

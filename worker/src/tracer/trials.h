@@ -1,4 +1,4 @@
-// Small images by which a pilot tells ways of tracing apart.
+// Small images by which a pilot distinguishes tracing methods.
 #pragma once
 
 #include <cstdint>

@@ -13,16 +13,16 @@ namespace {
 /// of hundreds meets a widened lamp, and where none does it looks as if there were nothing.
 constexpr std::uint32_t kSamples = 16, kMoreTimes = 4;
 constexpr double kEnough = 50e3;
-/// Squares of so many pixels are read as one, whose error is told.
+/// Squares of so many pixels are read as one, whose error is reported.
 constexpr double kSquare = 64.0;
-/// From so many finds on an error of a mean is what it says: of a Poisson number of 20 the usual
+/// From so many finds on the error of a mean can be relied on: of a Poisson number of 20 the usual
 /// 95 % interval holds the truth 94 times of a hundred, of 5 it does 88 times.
 constexpr double kFinds = 20.0;
-/// What the error of a square lacks and is not told, in parts of what is seen there.
+/// Missing error of a square up to this part of the light seen there is not reported.
 constexpr double kSmall = 0.02;
 /// Part of a lamp's mean radiance that it has at any wavelength that counts.
 constexpr float kDimWavelengths = 0.1f;
-/// What is seen in the dark beside bright parts counts as so much of the image's mean.
+/// The light seen in dark parts next to bright ones counts as so much of the image's mean.
 constexpr double kDark = 0.1;
 
 std::vector<MeanLight> means_of_pixels(const PilotImages& images) {
@@ -34,7 +34,7 @@ std::vector<MeanLight> means_of_pixels(const PilotImages& images) {
   return means;
 }
 
-/// What a pilot's pixel tells of light that a square there finds by chance.
+/// A pilot's pixel gives this about light that a square there finds by chance.
 struct Chance {
   /// Of the square's mean, cd/m2 squared; and how many finds of one brightness would have the same.
   double variance = 0.0, finds = 0.0;
@@ -56,8 +56,8 @@ bool is_rim(const std::vector<Chance>& chances, Film film, std::uint32_t x, std:
   return false;
 }
 
-/// Of a sample, in parts of what is seen; the median of all pixels, as one of them may have met
-/// what others did not.
+/// Of a sample, in parts of the light seen; the median of all pixels, as one of them may have met
+/// light that others did not.
 double usual_error(const std::vector<MeanLight>& seen, double samples) {
   std::vector<double> errors;
   for (const MeanLight& each : seen) {
@@ -91,7 +91,7 @@ std::vector<UnmetPart> find_unmet_parts(Scene& scene, Trials& trials, const Phot
   const double enough = kEnough / (Trials::kImages * kSamples * pixels_of(small));
   const auto times = static_cast<std::uint32_t>(std::clamp<double>(enough, 1.0, kMoreTimes));
   const auto seen = light(TracingOptions::Gathered::kWithAll);
-  // What is met must be these lamps' light: with few samples the even sky is brighter than
+  // The light that is met must be these lamps': with few samples the even sky is brighter than
   // `radiance`, is met surely, and is no sign of a lamp that isn't.
   scene.options.least_radiance =
       std::max(radiance, kDimWavelengths * scene.widened_lamps.least_radiance());

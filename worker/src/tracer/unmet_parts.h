@@ -13,11 +13,11 @@ namespace nocturne {
 /// A rectangle of the film, pixels.
 struct UnmetPart {
   std::uint32_t x, y, width, height;
-  /// What may be missing at most (two standard errors), in parts of what is seen there.
+  /// The light that may be missing at most (two standard errors), in parts of the light seen there.
   double part;
 };
 
-/// `kind`: photons from the sensor as they were chosen, so that forward ones bring what they bring.
+/// `kind`: photons from the sensor as they were chosen, so that forward ones bring their part.
 /// `film` and `samples`: of the render; `budget`: samples in all that may be taken; `mean`: Y of
 /// the image, cd/m2. Empty where no luminaire is so bright that finds are rare, or all is met.
 std::vector<UnmetPart> find_unmet_parts(Scene& scene, Trials& trials, const PhotonKind& kind,

@@ -27,9 +27,9 @@ struct Vertex {
   /// Seen from behind the shading normal, so that the kernel's is the surface's own.
   bool own_normal = false;
   Shading<N> shading;
-  /// What they are in once through; as before where the surface bounds no body.
+  /// The bodies they are in once through; as before where the surface bounds no body.
   InteriorList beyond;
-  /// The cell of what was learned that photons from here are guided by, or none.
+  /// The cell of learned light that photons from here are guided by, or none.
   std::uint32_t learned = LearnedLight::kNone;
 
   Vec3 to_local(Vec3 direction) const { return frame.to_local(direction); }
@@ -51,7 +51,7 @@ inline Boundary boundary_at(const Scene& scene, const Hit& hit, const Contacts& 
   return cross_boundary(inside, scene.medium_interfaces, own, contacts);
 }
 
-/// What is there of bodies has this index of refraction.
+/// The bodies present have this index of refraction.
 template <int N>
 Spectral<N> index_in(const Scene& scene, std::uint32_t body, const Spectral<N>& wavelengths) {
   if (body == InteriorList::kOutside) return 1.0f;

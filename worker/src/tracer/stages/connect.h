@@ -1,4 +1,4 @@
-// Stage: connections between what is known at both ends. Photons from luminaires are connected to
+// Stage: connections between vertices known at both ends. Photons from luminaires are connected to
 // the camera, and vertices of adjoint photons to lights, unless something is in between.
 #pragma once
 
@@ -9,7 +9,7 @@
 
 namespace nocturne {
 
-/// From a vertex, if what comes by this way belongs to forward photons.
+/// From a vertex, if the light along this connection belongs to forward photons.
 template <class Batch, int N, class Kernel>
 void connect_to_camera(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
                        const Kernel& kernel) {
@@ -32,7 +32,7 @@ void connect_to_camera(Batch& batch, const Group<N>& group, const Vertex<N>& ver
   batch.camera_rays.push_back({photon, *connection, connection->distance});
 }
 
-/// To the end of one ray: the camera, or what stands before it.
+/// To the end of one ray: the camera, or a surface in front of it.
 template <class Batch, int N>
 void arrive_towards_camera(Batch& batch, CameraRay<N>& to_camera, std::optional<Hit>& hit) {
   using State = typename CameraRay<N>::State;

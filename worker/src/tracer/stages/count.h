@@ -1,4 +1,4 @@
-// Stage: groups arrive, weakened by what lies on their way, and what they meet is counted.
+// Stage: groups arrive, weakened by the media they crossed, and the light they meet is counted.
 #pragma once
 
 #include <array>
@@ -27,7 +27,7 @@ bool ends_here(const Batch& batch, const Group<N>& group, const Hit& hit) {
          (batch.occlusion_decides || !batch.scene.materials[hit.surface].has_delta_lobe);
 }
 
-// What is far away is asked of memory so many groups before it is counted.
+// Data far away in memory are requested so many groups before they are counted.
 inline constexpr std::size_t kAhead = 8;
 
 template <int N, class Estimator, bool Media>

@@ -150,7 +150,7 @@ void draw_from_mixture(Batch& batch, Group<N>& group, const Vertex<N>& vertex, c
         weights.lights > 0.0f
             ? weights.lights * pdf_of_lights(batch, group, vertex, kernel, draw.wi, drawn_pdf)
             : 0.0f;
-    // Drawn at a rim and rounded off it, where only the other ways can have gone.
+    // Drawn at a rim and rounded off it, where only the other techniques can have drawn it.
     if (from_lights && !(by_lights > 0.0f)) {
       on.weight = 0.0f;
       return;

@@ -36,7 +36,7 @@ void connect_from_media(Batch& batch, const Group<N>& group, float end,
 }
 
 /// To the camera from thin media without waiting for a collision there, which would seldom be; from
-/// several places, as the way there cost more than those to the camera (docs/decisions/0102).
+/// several places, as the flight there cost more than the rays to the camera (docs/decisions/0102).
 template <int N, class Batch>
 void connect_from_thin_media(Batch& batch, const Group<N>& group, float end) {
   const std::uint32_t count = batch.flight_of(group).collisions_worthwhile();
@@ -67,8 +67,8 @@ void fly(Batch<N, Estimator, true>& batch) {
     } else if (batch.kAdjoint && group.depth == 0 &&
                batch.options.estimator == nocturne::Estimator::kTwoPhotons &&
                flight.thin(group, end)) {
-      // A sensor's photons meet thin media and what is behind them, too: one group collides, the
-      // other passes, and each carries its part.
+      // A sensor's photons meet thin media and the surfaces behind them, too: one group collides,
+      // the other passes, and each carries its part.
       Group<N> met = group;
       const auto surely = collide_surely(batch, met, end);
       flight.pass(group, end);

@@ -1,6 +1,7 @@
-// Next event estimation: a second photon from a vertex, drawn towards lights and important shapes.
-// It counts what it meets with its MIS weight, through mirrors and clear glass too, and ends on the
-// first surface without a delta lobe: there the one from the kernel carries the whole weight.
+// Next-event estimation: a second photon from a vertex, drawn towards lights and important shapes.
+// It counts the light it meets with its MIS weight, through mirrors and clear glass too, and ends
+// on the first surface without a delta lobe: there the one from the kernel carries the whole
+// weight.
 #pragma once
 
 #include <span>
@@ -50,7 +51,7 @@ void estimate_next_event(Batch& batch, const Group<N>& group, const Vertex<N>& v
   });
 }
 
-/// What the nearest light brings if the way to it is free.
+/// The light from the nearest luminaire if it is not occluded.
 template <class Batch, int N, class Kernel>
 void ask_for_light(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
                    const Kernel& kernel, float survival,
@@ -58,7 +59,7 @@ void ask_for_light(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
   const Scene& scene = batch.scene;
   const BatchSample<N>& sample = batch.sample_of(group);
   if (batch.both) {
-    // What it meets after this vertex, and not after the one before.
+    // The path's ends after this vertex, and not after the one before.
     const PathEnds after = after_adjoint(
         group.ends, interaction_at(batch, group, vertex, false, false), group.depth == 1);
     const bool near = light.distance < scene.near_ends;
@@ -152,9 +153,9 @@ void estimate_next_events(Batch& batch, const Chunk<N, Bound>& chunk) {
   }
 }
 
-/// Of a photon that was sent to lights, where it meets a surface that has a delta lobe: by what it
-/// has lost since. One that is totally reflected within glass again and again ends when its medium
-/// has absorbed or scattered most of it.
+/// Of a photon that was sent to lights, where it meets a surface that has a delta lobe: by the
+/// weight it has lost since. One that is totally reflected within glass again and again ends when
+/// its medium has absorbed or scattered most of it.
 template <class Batch, int N, class Kernel>
 float survival_of_passing(const Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
                           const Kernel& kernel) {

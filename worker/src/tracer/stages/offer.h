@@ -1,5 +1,5 @@
-// First and second vertices of paths are noted where neighbouring pixels share them. Who takes part
-// depends on the two vertices alone, never on what is found.
+// First and second vertices of paths are noted where neighbouring pixels share them. Which photons
+// take part depends on the two vertices alone, never on the light that is found.
 #pragma once
 
 #include <type_traits>

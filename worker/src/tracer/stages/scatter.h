@@ -8,9 +8,9 @@
 
 namespace nocturne {
 
-/// In fog without end that absorbs little, photons would wander for ever. From a distance r one
+/// In unbounded fog that absorbs little, photons would wander without end. From a distance r one
 /// flight meets a ball of radius R with (R / r)^2, and a long walk with R / r. At the latter its
-/// expected length were endless still, as a walk to r takes r^2 flights.
+/// expected length would still be infinite, as a walk to r takes r^2 flights.
 template <class Batch, int N>
 float chance_to_stay(const Batch& batch, const Group<N>& group, Vec3 position) {
   const auto& [centre, radius] = *batch.scene.all_in_fog;
@@ -114,7 +114,7 @@ void draw(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const Kernel& 
   } else if (options.estimator == Estimator::kSplit && group.depth <= options.split_vertices) {
     split(batch, group, vertex, kernel, numbers, survival);
   } else {
-    // What is left of the number is uniform once more.
+    // The rest of the number, once divided by the survival probability, is uniform again.
     draw_from_mixture(batch, group, vertex, kernel, numbers, u[2] / survival, survival);
   }
 }

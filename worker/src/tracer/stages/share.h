@@ -86,7 +86,7 @@ void find_meetings_of(Batch<N, Estimator, Media>& batch, std::uint32_t sample, c
   }
 }
 
-/// All meetings of a block, those of each second vertex together: the ways to it are close to each
+/// All meetings of a block, those of each second vertex together: the rays to it are close to each
 /// other, and one packet follows them.
 template <int N, class Estimator, bool Media>
 void find_meetings(Batch<N, Estimator, Media>& batch, std::uint32_t first_sample,
@@ -138,8 +138,8 @@ void keep_free(Batch<N, Estimator, Media>& batch, float time,
 template <int N>
 Spectral<N> factor_of(const Meeting<N>& meeting, const SecondVertex<N>& second,
                       const Spectral<N>& all) {
-  // Of one's own, what the photon carries is value over density already; and if that is rounded to
-  // nothing, then nobody else takes it.
+  // For the photon's own vertex, its weight is value over density already; and if that is rounded
+  // to nothing, then no other photon takes it.
   const bool own = second.sample == meeting.sample;
   return each(
       [own](float carried, float value, float mine, float sum) {
@@ -189,7 +189,7 @@ void sort_seconds(Batch<N, Estimator, Media>& batch) {
   for (const std::uint32_t i : sharing.order) sharing.found.push_back(sharing.seconds[i]);
 }
 
-/// At the end of a batch, when what is found from each second vertex on is known: where that is
+/// At the end of a batch, when the light found from each second vertex on is known: where that is
 /// nothing, there is nothing to share.
 template <int N, class Estimator, bool Media>
 void share(Batch<N, Estimator, Media>& batch) {

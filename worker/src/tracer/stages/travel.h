@@ -19,8 +19,8 @@ float way_to(const Group<N>& group, const Hit& hit) {
   return std::max(0.0f, hit.distance + dot(group.step, hit.normal) / cosine);
 }
 
-/// Inside a body radiance is n^2 times what it is outside, and the photon's weight as much less: it
-/// is worth what it will be outside.
+/// Inside a body radiance is n^2 times that outside, and the photon's weight as much less: its
+/// worth is that which it will have outside.
 template <class Batch, int N>
 Spectral<N> square_of_index(const Batch& batch, const Group<N>& group) {
   const std::uint32_t body = group.inside.current(batch.scene.medium_interfaces);
@@ -79,7 +79,7 @@ void start_off(const Scene& scene, Group<N>& group, const Hit& hit, Vec3 directi
   group.step = group.ray.origin - hit.position;
 }
 
-/// Straight on through a boundary that has no kernel of its own.
+/// Straight on through a boundary that has no kernel.
 template <int N>
 void pass_index_matched(const Scene& scene, Group<N>& group, const Hit& hit,
                         const Contacts& contacts, float time) {
