@@ -1,4 +1,4 @@
-// A sum of other kernels with weights that add up to 1. What is drawn chooses a part in proportion
+// A sum of other kernels with weights that add up to 1. Sampling chooses a part in proportion
 // to its weight, the same for all wavelengths; value and density are those of the sum. An opacity
 // mask is a blend of a surface and a NullKernel.
 #pragma once
@@ -73,7 +73,7 @@ class BoundBlend {
     float left = numbers.part * total_;
     std::size_t chosen = 0;
     while (chosen + 1 < count_ && left >= parts_[chosen].weight) left -= parts_[chosen++].weight;
-    // What is left of the number is uniform again.
+    // The rest of the number is uniform again.
     numbers.part = std::clamp(left / parts_[chosen].weight, 0.0f, kOneMinusEpsilon);
     auto draw = std::visit(
         [&](const auto& kernel) {
@@ -118,7 +118,7 @@ class BoundBlend {
 static_assert(BoundKernel<BoundBlend<1>, 1> && BoundKernel<BoundBlend<4>, 4>);
 
 struct Blend {
-  /// A weight in [0, 1], or what is left of it.
+  /// A weight in [0, 1], or the remainder of it.
   struct Factor {
     Scalar weight;
     bool complement = false;

@@ -25,7 +25,7 @@
 
 namespace nocturne {
 
-/// The coat for one wavelength: what it reflects, for light from outside.
+/// The coat for one wavelength: its reflectance, for light from outside.
 struct Coat {
   float ratio, alpha;
   bool smooth;
@@ -56,7 +56,7 @@ struct BoundCoatedDiffuse {
   Spectral<N> ratio;
   /// R / (n^2 (1 - R E_in)).
   Spectral<N> gain;
-  /// R (1 - E_in) / (1 - R E_in): what comes out of what went in.
+  /// R (1 - E_in) / (1 - R E_in): the share of the light that entered which leaves again.
   Spectral<N> leaving;
   /// The coat and the base's share at average wavelengths, for the choice between the two parts.
   float mean_ratio, mean_leaving;

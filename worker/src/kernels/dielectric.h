@@ -144,7 +144,7 @@ struct BoundDielectric {
 };
 static_assert(BoundKernel<BoundDielectric<1>, 1> && BoundKernel<BoundDielectric<4>, 4>);
 
-/// The indices of refraction come with the shading: a photon knows what it is in.
+/// The indices of refraction come with the shading: a photon knows its medium.
 struct Dielectric {
   Roughness roughness;
 

@@ -12,7 +12,7 @@ namespace nocturne {
 ///
 /// With g = ratio x cos of the refracted angle, g^2 = ratio^2 - 1 + cos^2, the amplitudes are
 /// (cos - g) / (cos + g) and (ratio^2 cos - g) / (ratio^2 cos + g). Both numerators cancel for
-/// ratios near 1, so they are multiplied out: what is left has ratio^2 - 1 as a factor.
+/// ratios near 1, so they are multiplied out: the result has ratio^2 - 1 as a factor.
 template <class T>
 T fresnel_dielectric(T cos_from, T ratio) {
   if (ratio == T(1)) return T(0);

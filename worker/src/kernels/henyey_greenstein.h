@@ -51,7 +51,7 @@ class HenyeyGreenstein {
 
 class DoubleHenyeyGreenstein {
  public:
-  /// `weight` in [0, 1], of the first; what is left of it, of the second. Throws
+  /// `weight` in [0, 1], of the first; the remainder to 1, of the second. Throws
   /// std::invalid_argument.
   DoubleHenyeyGreenstein(double g_first, double g_second, double weight)
       : first_(g_first), second_(g_second), weight_(static_cast<float>(weight)) {

@@ -1,4 +1,4 @@
-// What every kernel is: the way a surface or a medium scatters. A kernel is first bound to the
+// The interface of every kernel: how a surface or a medium scatters. A kernel is first bound to the
 // wavelengths of a group of photons and a point, which evaluates its spectra once; the bound kernel
 // answers questions in the local frame, normal along +z on the side that the photon came from, with
 // `wo` where it came from and `wi` where it goes, both unit, pointing away from the surface, wo.z >
@@ -65,10 +65,10 @@ struct Draw {
   /// Drawn from a delta part: `factor` is that part's value over its probability, for each photon.
   bool delta = false;
   Spectral<N> factor = 1.0f;
-  /// Bit i: photon i would have drawn the same from the same numbers. The others go their own way.
+  /// Bit i: photon i would have drawn the same from the same numbers. The others leave the group.
   std::uint32_t together = kAllTogether<N>;
 
-  /// Photons that drew nothing while others of the group may draw something: their way ends here.
+  /// Photons that drew nothing while others of the group may draw something: their paths end here.
   static Draw ended(std::uint32_t together) {
     return {.wi = {0.0f, 0.0f, 1.0f}, .delta = true, .factor = 0.0f, .together = together};
   }

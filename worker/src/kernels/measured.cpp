@@ -284,7 +284,7 @@ void MeasuredTable::read_albedo() {
       }
     }
   }
-  // The quadrature may miss what is narrow.
+  // The quadrature may miss narrow peaks.
   constexpr float kMin = 1e-3f;
   for (std::size_t p = 0; p < n_planes_; ++p) {
     const auto plane = values_.begin() + static_cast<std::ptrdiff_t>(p * plane_size_);

@@ -124,7 +124,7 @@ struct Measured {
     for (std::size_t i = 0; i < N; ++i) bound.planes[i] = table->planes(shading.wavelengths[i]);
     return bound;
   }
-  /// What is bound points into the table.
+  /// The bound kernel points into the table.
   template <int N>
   BoundMeasured<N> bind(const Shading<N>&) const&& = delete;
 };

@@ -1,6 +1,6 @@
 // How a medium scatters: albedo times a phase function, a density over directions that depends only
 // on the angle by which a photon is turned. There is no surface: nothing but that angle matters,
-// and what goes on and what goes back are the same to it.
+// and the phase function is the same for both directions of transport.
 #pragma once
 
 #include <optional>
@@ -30,7 +30,7 @@ class BoundPhase {
            std::visit([&](const auto& s) { return Spectral<N>(s.density(angle)); }, shape_);
   }
   /// From the mean over the group's photons of their densities, by the path pdf ratios: no photon
-  /// goes its own way.
+  /// leaves its group.
   std::optional<Draw<N>> sample(Vec3 wo, const KernelNumbers& numbers, std::size_t) const {
     const auto angle = std::visit([&](const auto& s) { return s.sample(numbers); }, shape_);
     return Draw<N>{.wi = angle.direction(wo, numbers.v)};
@@ -88,7 +88,7 @@ struct Phase {
         std::visit([&](const auto& s) { return typename BoundPhase<N>::Shape(s.bind(shading)); },
                    shape)};
   }
-  /// What is bound may point into the table.
+  /// The bound kernel may point into the table.
   template <int N>
   BoundPhase<N> bind(const Shading<N>&) const&& = delete;
 };

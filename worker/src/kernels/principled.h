@@ -1,21 +1,22 @@
 // The principled surface that exchange formats have in common: a diffuse base under a dielectric,
 // or metal, or something between the two, a clear coat over both, and fuzz over all. After B.
 // Burley, "Physically-Based Shading at Disney", SIGGRAPH 2012 course, and the OpenPBR surface 1.1,
-// with these parts, in one long file as each takes from what is below it:
+// with these parts, in one long file as each takes from the parts below it:
 //   metal       GGX facets, Schlick's reflectance F = base + (1 - base) (1 - cos)^5
 //   dielectric  GGX facets of the same alpha, Fresnel's reflectance of the index; or one that is
-//               given at normal incidence, f0, and rises to `amount` in the same way:
+//               given at normal incidence, f0, and rises to `amount` with the same curve:
 //               amount (f0 + (1 - f0) (F - F0) / (1 - F0)), F0 that of the index
 //   base        (base / pi) (1 - E(wo)) (1 - E(wi)) / mean(1 - E), E what dielectric and coat
 //               reflect (C. Kelemen and L. Szirmay-Kalos, Eurographics 2001 short papers,
 //               section 2.1): so that E + (1 - E) base leaves
-//   coat        GGX facets of its own alpha and index; what is below gets 1 less the larger of
+//   coat        GGX facets with a separate alpha and index; the parts below get 1 less the larger
+//   of
 //               what the coat reflects of wo and of wi; its index is taken against vacuum
-//   sheen       fibres that stand up (sheen.h); what is below gets 1 less the larger of what they
+//   sheen       fibres that stand up (sheen.h); the parts below get 1 less the larger of what they
 //               reflect of wo and of wi
 // Light that bounces between facets of metal is kept (ggx_energy.h), that of dielectrics goes
 // below. Alpha is the square of roughness; brushed facets have two, and an angle to the tangent.
-// Each part is reciprocal. No subsurface scattering; what is seen through is another kernel's.
+// Each part is reciprocal. No subsurface scattering; transmission is another kernel's.
 #pragma once
 
 #include <algorithm>
@@ -43,7 +44,7 @@ struct PartialCoat {
   BoundRoughness roughness;
 
   bool there() const { return amount > 0.0f; }
-  /// What it reflects of light from w.
+  /// The part of light from w that it reflects.
   float reflectance(Vec3 w) const {
     if (!there()) return 0.0f;
     if (roughness.smooth) {

@@ -3,7 +3,7 @@
 // normals lie flat (equation 2: D = (2 + 1 / alpha) sin(theta)^(1 / alpha) / (2 pi)), with the
 // visibility 1 / (4 (cos o + cos i - cos o cos i)) of D. Neubelt and M. Pettineo, SIGGRAPH 2013
 // course: what KHR_materials_sheen of glTF asks for. Where that would reflect more than all light,
-// it is divided by what it would reflect, of wo or of wi, whichever is more.
+// it is divided by its albedo at wo or at wi, whichever is greater.
 #pragma once
 
 #include <algorithm>

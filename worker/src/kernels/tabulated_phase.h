@@ -15,7 +15,7 @@ class TabulatedPhase;
 
 template <int N>
 struct BoundTabulatedPhase {
-  /// Rows `low` and low + 1, `fraction` of the way.
+  /// Rows `low` and low + 1; `fraction` of the distance between them.
   struct Rows {
     std::size_t low;
     float fraction;
@@ -60,7 +60,7 @@ class TabulatedPhase {
     }
     return bound;
   }
-  /// What is bound points into the table.
+  /// The bound kernel points into the table.
   template <int N>
   BoundTabulatedPhase<N> bind(const Shading<N>&) const&& = delete;
 

@@ -1,8 +1,8 @@
 // A thin plane-parallel sheet of a dielectric, such as a window: light is mirrored or goes straight
 // on, with all internal reflections summed without interference and unpolarised at every bounce:
 //   R + T^2 R t^2 / (1 - R^2 t^2)  and  T^2 t / (1 - R^2 t^2),  T = 1 - R,
-// R by Fresnel, t the internal transmittance along the slanted way. Stokes, Proc. Royal Society 11,
-// 1862. Keeping s and p apart would transmit more: 0.4 % at 45 degrees, 4 % at 75 (index 1.52).
+// R by Fresnel, t the internal transmittance along the slanted path. Stokes, Proc. Royal Society
+// 11, 1862. Keeping s and p apart would transmit more: 0.4 % at 45 degrees, 4 % at 75 (index 1.52).
 #pragma once
 
 #include <algorithm>
@@ -75,7 +75,7 @@ class ThinPane {
         mean_index_(index_.mean()),
         mean_transmittance_(transmittance_.mean()) {}
 
-  /// What is on the side of the light is on both sides.
+  /// The side of the light counts as both sides.
   static constexpr bool has_delta_lobe() { return true; }
   static constexpr bool may_transmit() { return true; }
 

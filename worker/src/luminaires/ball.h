@@ -67,7 +67,7 @@ struct Ball {
 
  private:
   // To its first crossing; infinite in the rim by which the cone is wider. A point of the sphere
-  // itself lies beside it by rounding: the crossing there is where the ray begins, not where it
+  // itself lies off it by rounding: the crossing there is where the ray begins, not where it
   // ends.
   float distance_to(Vec3 position, Vec3 d) const {
     const auto crossings =

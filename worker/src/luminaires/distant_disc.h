@@ -29,7 +29,7 @@ class DistantDisc {
   /// Of its angular radius; very large for half the sky.
   float tan_half_angle() const { return sin_ / (1.0f - wide_drop_); }
 
-  /// From the unit direction; zero beside the disc, never negative.
+  /// From the unit direction; zero outside the disc, never negative.
   template <int N>
   Spectral<N> radiance(Vec3 direction, const Spectral<N>& wavelengths) const {
     const float drop = drop_to(direction);

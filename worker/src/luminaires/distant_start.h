@@ -1,5 +1,5 @@
 // Where photons of distant light enter a scene: anywhere on a disc that faces them, or on the
-// smaller ones of what they are aimed at (docs/decisions/0113).
+// smaller ones of the shapes that they are aimed at (docs/decisions/0113).
 #pragma once
 
 #include <cmath>

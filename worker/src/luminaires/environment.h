@@ -31,7 +31,7 @@ class Environment {
     const auto* map = std::get_if<EnvironmentMap>(&radiance_);
     return map ? map->place_of(direction) : Place{};
   }
-  /// The same, and what is there will be asked for.
+  /// The same, where the radiance there will be asked for.
   Place expect(Vec3 direction) const {
     const auto* map = std::get_if<EnvironmentMap>(&radiance_);
     return map ? map->expect(direction) : Place{};
@@ -49,7 +49,7 @@ class Environment {
   Spectral<N> radiance(Vec3 direction, const Spectral<N>& wavelengths) const {
     return radiance(place_of(direction), wavelengths);
   }
-  /// The same of what was drawn, without a look at where that is.
+  /// The same for the drawn sample, without looking up its position.
   template <int N>
   Spectral<N> radiance(const Drawn& drawn, const Spectral<N>& wavelengths) const {
     if (const auto* map = std::get_if<EnvironmentMap>(&radiance_)) {
@@ -75,7 +75,7 @@ class Environment {
   }
 
   /// For a photon that starts there, whatever it will meet: a constant from all sides alike, as by
-  /// a cosine what comes from across would be rare and without bounds. Two uniform numbers.
+  /// a cosine light from across would be rare and without bounds. Two uniform numbers.
   std::optional<Drawn> draw_all_around(float u1, float u2) const {
     if (!(mean_ > 0.0)) return std::nullopt;
     if (const auto* map = std::get_if<EnvironmentMap>(&radiance_)) {

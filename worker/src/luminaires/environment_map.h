@@ -45,7 +45,7 @@ class EnvironmentMap {
   struct Place {
     std::uint32_t row, column;
   };
-  /// What is in the unit direction.
+  /// The texel in the unit direction.
   Place place_of(Vec3 direction) const;
   /// The same, whose radiance and density will be asked for: memory is asked for them now, as a map
   /// is larger than most caches.
@@ -81,7 +81,7 @@ class EnvironmentMap {
     return finish(from, begin(from, u1, u2));
   }
 
-  /// A uniform number in whole sums, and what lies left of it.
+  /// A uniform number in whole sums, and the sum to the left of it.
   struct Target {
     double exact;
     std::uint64_t whole;

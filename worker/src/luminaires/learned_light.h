@@ -1,6 +1,6 @@
 // Where light comes from at places that photons from the luminaires came to, as a density over
 // directions: what mirrors and glass gather comes in narrow cones that neither a surface nor a
-// luminaire tells of. After Jensen, "Importance Driven Path Tracing Using the Photon Map", EGWR
+// luminaire reveals. After Jensen, "Importance Driven Path Tracing Using the Photon Map", EGWR
 // 1995, with cones in the place of a grid of directions.
 //
 // A k-d tree over places, with so few arrivals in each of its cells that all are asked. Around
@@ -40,7 +40,7 @@ class LearnedLight {
 
   bool empty() const { return cells_.empty(); }
   /// Arrivals as CompiledScene.learned_light has them, and back, directions rounded to 1e-4. The
-  /// latter throws std::invalid_argument for too many, for parts of one, and for what is no place.
+  /// latter throws std::invalid_argument for too many, for parts of one, and for invalid positions.
   static std::string packed(const std::vector<Arrival>& arrivals);
   static std::vector<Arrival> unpacked(std::string_view bytes);
 

@@ -11,7 +11,7 @@
 namespace nocturne {
 namespace {
 
-/// Part of the directions that what was learned gets.
+/// Part of the directions that is drawn from the learned cones.
 constexpr float kLearned = 0.5f;
 
 // A number that fell into [start, start + width), stretched to [0, 1).

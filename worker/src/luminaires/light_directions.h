@@ -1,5 +1,5 @@
-// All ways to point at light from a vertex, as one density: area luminaires, environment, distant
-// discs, important shapes.
+// All techniques of next-event estimation at a vertex, as one density: area luminaires,
+// environment, distant discs, important shapes.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@
 
 namespace nocturne {
 
-/// Relative to each other, not negative. Of a group that is empty the others get the share.
+/// Relative to each other, not negative. The others get the share of an empty group.
 struct LightWeights {
   float luminaires, environment, important;
 };
@@ -37,9 +37,9 @@ class LightDirections {
   /// Whether `sample` may draw directions to important shapes.
   bool points_at_important() const { return important_share_ > 0.0f; }
 
-  /// A unit direction from there; three uniform numbers. Empty where the drawn way gives none. Its
-  /// density is that of the element that it was drawn towards, which is zero where it was not drawn
-  /// towards one.
+  /// A unit direction from there; three uniform numbers. Empty where the drawn technique gives
+  /// none. Its density is that of the element that it was drawn towards, which is zero where it was
+  /// not drawn towards one.
   std::optional<DrawnDirection> sample(const LightSamplingContext& from, float choice, float u1,
                                        float u2) const;
 
@@ -56,7 +56,7 @@ class LightDirections {
     return std::max(drawn.pdf, pdf(from, drawn.direction, place));
   }
 
-  /// A direction drawn towards light, and what may be seen there.
+  /// A direction drawn towards light, and the emitter that may be seen there.
   struct LightSample {
     Vec3 direction;
     /// Of the direction, as `pdf` has it.
@@ -70,15 +70,15 @@ class LightDirections {
     /// Where it was drawn from the environment.
     std::optional<Environment::Drawn> environment;
   };
-  /// Of the same numbers as sample_light; what it will look up is asked of memory.
+  /// Of the same numbers as sample_light; prefetches the data that it will look up.
   std::optional<Environment::Draft> begin_light(const LightSamplingContext& from, float choice,
                                                 float u1, float u2) const;
-  /// From where its ray starts. False where the drawn way gives no direction. Where nothing was
-  /// learned.
+  /// From where its ray starts. False where the drawn technique gives no direction. Where nothing
+  /// was learned.
   bool sample_light(const LightSamplingContext& from, float choice, float u1, float u2,
                     const std::optional<Environment::Draft>& begun, LightSample& light) const;
 
-  /// Half of the directions are drawn from what was learned, where a context has a cell of it.
+  /// Half of the directions are drawn from the learned cones, where a context has a cell of it.
   void set_learned(LearnedLight learned) { learned_ = std::move(learned); }
   const LearnedLight& learned() const { return learned_; }
 

@@ -15,14 +15,15 @@ struct LightSamplingContext {
   bool both_sides = false;
   /// Of the shutter interval, [0, 1).
   float time = 0.0f;
-  /// The cell of what was learned, or none.
+  /// The cell of learned light, or none.
   std::uint32_t learned = ~0u;
 
   bool sees(Vec3 direction) const { return both_sides || dot(normal, direction) > 0.0f; }
 };
 
 /// Directions are rounded to float, which moves them by less than this angle. Cones that are drawn
-/// from are wider by it: the density stays flat up to the rim of what they hold, however small.
+/// from are wider by it: the density stays flat up to the rim of the emitters they hold, however
+/// small.
 inline constexpr double kDirectionRounding = 0x1p-21;
 
 }  // namespace nocturne

@@ -1,9 +1,9 @@
-// Chooses between many elements by what they may contribute at a point: a binary tree whose nodes
-// bound position, normals and power of what is below them, walked from the root to a leaf by the
-// two children's importance. Conty Estevez and Kulla, "Importance sampling of many lights with
-// adaptive tree splitting", Proc. ACM Comput. Graph. Interact. Tech. 1(2), 2018; importance with
-// cosines instead of angles as in Pharr, Jakob and Humphreys, "Physically Based Rendering", 4th
-// ed., 12.6.3.
+// Chooses between many elements by their possible contribution at a point: a binary tree whose
+// nodes bound position, normals and power of the elements below them, walked from the root to a
+// leaf by the two children's importance. Conty Estevez and Kulla, "Importance sampling of many
+// lights with adaptive tree splitting", Proc. ACM Comput. Graph. Interact. Tech. 1(2), 2018;
+// importance with cosines instead of angles as in Pharr, Jakob and Humphreys, "Physically Based
+// Rendering", 4th ed., 12.6.3.
 //
 // What chooses lies by inner nodes, each with its two children side by side, as both are looked at
 // together. What finds elements on a half-line are boxes in preorder, which needs no stack.

@@ -11,7 +11,7 @@ namespace nocturne {
 struct OnHalfLine {
   /// Density of directions drawn towards it, 1/sr; 0: it is not there.
   float pdf = 0.0f;
-  /// m; infinite where rounding has drawn a direction just beside it.
+  /// m; infinite where rounding has drawn a direction that just misses it.
   float distance = std::numeric_limits<float>::infinity();
 };
 
@@ -35,7 +35,7 @@ struct ElementSample {
   Vec3 direction;
   /// Density of such draws, 1/sr.
   float pdf;
-  /// m; infinite where rounding has drawn it just beside the element.
+  /// m; infinite where rounding has drawn one that just misses the element.
   float distance;
   ElementPoint point;
 };

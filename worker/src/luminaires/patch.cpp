@@ -11,8 +11,8 @@ namespace {
 // Solid angle is used up to this many areas' square root away. Spread of the irradiance from one
 // direction, over its mean, below the middle of a lamp of 1 m x 1 m (Irradiance.
 // SquareLampFromCloseBy in tests/worker/luminaires): at 0.1 m 3.2 by area, 0.41 by solid angle; at
-// 0.5 m 0.51 and 0.12; at 1 m 0.17 and 0.04; at 2 m 0.05 and 0.01, where either is as good beside
-// the other noise of an image and area is faster.
+// 0.5 m 0.51 and 0.12; at 1 m 0.17 and 0.04; at 2 m 0.05 and 0.01, where either is as good compared
+// with the other noise of an image and area is faster.
 constexpr float kNearAreas = 2.25f;
 
 // Outside of these the arithmetic loses digits: nearly edge-on, or nearly in its plane.

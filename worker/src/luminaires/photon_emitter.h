@@ -113,11 +113,11 @@ class PhotonEmitter {
   struct Choice {
     std::size_t index;
     float probability;
-    /// What is left of the two numbers, uniform in [0, 1).
+    /// The remainder of the two numbers, uniform in [0, 1).
     float rest;
   };
   /// By two uniform numbers, as one float alone has steps that are wider than the share of a weak
-  /// luminaire beside a strong one.
+  /// luminaire next to a strong one.
   Choice choose(float coarse, float fine) const;
   /// A point, and the element's area at that time, m2: motion may change it.
   struct EmissionPoint {

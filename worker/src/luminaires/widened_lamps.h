@@ -76,11 +76,11 @@ class WidenedLamps {
   /// Half angle of the cone: 11 degrees. Its solid angle is a hundredth of the sphere's, so that of
   /// a pilot's thousands of photons some meet it.
   static constexpr float kCosine = 0.98f, kCone = kTwoPi * (1.0f - kCosine);
-  /// Points of all elements; of more elements every so many is taken for those beside it.
+  /// Points of all elements; of more elements every so many is taken for its neighbours.
   static constexpr std::size_t kPoints = 64;
   /// Bright parts of the environment that are drawn by its radiance.
   static constexpr int kSkyDraws = 64;
-  /// Part of the way to a lamp that may be hidden.
+  /// Part of the distance to a lamp that may be hidden.
   static constexpr float kShort = 1e-3f;
 
   struct Distant {

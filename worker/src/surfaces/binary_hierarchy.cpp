@@ -129,7 +129,7 @@ BinaryHierarchy::BinaryHierarchy(RTCDevice device, const Meshes& meshes,
     : meshes_(meshes), stop_(std::move(stop)), hierarchy_(rtcNewBVH(device)) {
   RTCBuildArguments to = rtcDefaultBuildArguments();
   to.maxBranchingFactor = 2;
-  // What is to be a leaf is halved three times at most.
+  // A future leaf is halved three times at most.
   to.maxDepth = Tree::kMaxDepth - 4;
   to.sahBlockSize = kWidth;
   to.maxLeafSize = kWidth;

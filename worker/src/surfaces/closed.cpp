@@ -15,7 +15,7 @@ std::uint64_t hash_of(Vec3 p) {
   return splitmix64(splitmix64(bits(p.x) << 32 | bits(p.y)) + bits(p.z));
 }
 
-// Opposite numbers for an edge one way and the other: they add up to nothing.
+// Opposite numbers for the two directions of an edge: they add up to nothing.
 std::uint64_t directed(std::uint64_t from, std::uint64_t to) {
   return splitmix64(from + splitmix64(to)) - splitmix64(to + splitmix64(from));
 }

@@ -1,5 +1,5 @@
-// Where a ray leaves what it met, without a step: the point itself, in more digits than a float
-// has, and the primitive that is not to be met again.
+// Where a ray leaves the surface that it met, without a step: the point itself, in more digits than
+// a float has, and the primitive that is not to be met again.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,8 @@ struct Departure {
 
   /// From the ray's origin to where it starts, m: what rounding took.
   Vec3 residual = {0.0f, 0.0f, 0.0f};
-  /// What it leaves, as in Hit, or left before it met a medium; kNothing where it left nothing.
+  /// The primitive it leaves, as in Hit, or left before it met a medium; kNothing where it left
+  /// nothing.
   std::uint32_t surface = kNothing, instance = kNothing, primitive = 0;
   /// It starts within a medium.
   bool in_medium = false;
@@ -35,7 +36,8 @@ struct DepartingRay {
   }
 
  private:
-  // Volatile: GCC 12 takes the way of a pair of numbers to float and back for no change at all.
+  // Volatile: GCC 12 takes the conversion of a pair of numbers to float and back for no change at
+  // all.
   static float rounded_off(double exact) {
     const volatile float rounded = static_cast<float>(exact);
     return static_cast<float>(exact - double{rounded});

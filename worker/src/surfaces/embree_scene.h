@@ -1,5 +1,5 @@
-// The scene's shapes as they are searched for: in a tree of our own what is at rest, in Embree's
-// all else; and all of them once more in Embree's for searches in exact order.
+// The scene's shapes as they are searched for: shapes at rest in the worker's tree, all others
+// in Embree's; and all of them once more in Embree's for searches in exact order.
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -25,13 +25,13 @@
 
 namespace nocturne {
 
-/// Opens Embree the same way for all workers; std::runtime_error where it can't start.
+/// Opens Embree with the same settings for all workers; std::runtime_error where it can't start.
 RTCDevice new_device();
 /// How.
 extern const char* const kDeviceConfiguration;
 
 /// Shapes of group 0 are geometries of the top scene under their own number; behind them, the
-/// instances. A group is a scene of its own, numbered from 0.
+/// instances. A group is a separate scene, numbered from 0.
 struct EmbreeScene {
   struct Group {
     RTCScene scene = nullptr;
@@ -77,7 +77,7 @@ struct EmbreeScene {
   std::vector<EmbreeInstances::One> instances_in_groups;             // by instance
   std::vector<CloseSurface> close;                                   // by surface
   float largest_reach = 0.0f;
-  /// What is at rest: shapes in no group, and instances; null where nothing is.
+  /// The shapes at rest, those in no group, and instances; null where there are none.
   std::unique_ptr<Tree> tree;
   /// All else; null where the tree holds everything.
   RTCScene rest = nullptr;

@@ -15,7 +15,7 @@
 
 namespace nocturne {
 
-/// What is close to a surface, as whoever knows the materials says it.
+/// The surfaces close to a surface, as whoever knows the materials says it.
 struct CloseSurface {
   /// How far from the surface something may be that a ray which starts off it would step over, m;
   /// 0: nothing is.
@@ -25,7 +25,7 @@ struct CloseSurface {
   /// Emits: what bounds a body touches it only where the numbers leave no room between.
   bool luminaire = false;
   /// Lets light straight through, as a mask or the boundary of fog: it hides nothing that it lies
-  /// on, and lies beside it, on the outside of a body.
+  /// on, and lies next to it, on the outside of a body.
   bool straight = false;
 };
 
@@ -45,7 +45,7 @@ struct ExactCrossing {
   bool entering() const { return facing < 0.0; }
 };
 
-/// `placement` is null for what stands in the scene itself.
+/// `placement` is null for shapes in the scene itself.
 ExactCrossing cross_exactly(const Shape& shape, const Placement* placement, Double3 origin,
                             Double3 direction, const Found& found, float time);
 

@@ -26,9 +26,9 @@ struct Line {
   Vec3 direction;
   float time;
   double back = 0.0;
-  // What was left where it starts.
+  // The surface that the ray left where it starts.
   std::optional<Crossed> left = {};
-  // Of one that starts in a medium: what was left before.
+  // For a ray that starts in a medium: the surface it left before.
   std::optional<Crossed> passed = {};
 };
 
@@ -63,7 +63,7 @@ Line line_of(const EmbreeScene& scene, const Ray& ray, float time, const Departu
   return line;
 }
 
-// What a line crosses close together, what it left among it.
+// The surfaces a line crosses close together, the one it left among them.
 struct Picture {
   Picture() {}  // what is not there need not be zero
 
@@ -76,7 +76,7 @@ struct Picture {
     found[count] = as_found;
     crossed[count++] = at;
   }
-  // The last is what was left, now or before.
+  // The last is the surface that was left, now or before.
   std::span<const Crossed> with(const Line& line) {
     if (!line.left && !line.passed) return std::span(crossed).first(count);
     crossed[count] = line.left ? *line.left : *line.passed;
@@ -95,7 +95,7 @@ void for_each_ahead(const EmbreeScene& scene, const Line& line, Picture& picture
                       touch(all, picture.count, i, scene.close))) {
       continue;
     }
-    // Crossed together with what is behind, where the medium was entered.
+    // Crossed together with the surface behind, where the medium was entered.
     if (line.passed && !(line.passed->at.distance > 0.0) &&
         touch(all, picture.count, i, scene.close)) {
       continue;
@@ -132,7 +132,7 @@ struct NearestAhead {
     self.picture.add(crossed(self.scene, self.line, found), found);
     arguments->valid[0] = 0;
   }
-  // A neighbour of what was left, all but parallel to the ray.
+  // A neighbour of the surface that was left, all but parallel to the ray.
   bool leaves_here(const Found& found) const {
     const Crossed again = crossed(scene, line, found);
     return line.left && same_crossing(scene.shapes[again.surface], *line.left, again);
@@ -146,7 +146,7 @@ std::optional<Hit> nearest_ahead(const EmbreeScene& scene, const Ray& ray, float
   // Closer to the tangent a hit may be wrong by more along the ray than the search looks back.
   constexpr double kMinCosine = 1e-3, kGrazing = 1e-2;
   Line line = line_of(scene, ray, time, departure);
-  // From within a medium what is met may be at any angle.
+  // From within a medium a surface may be met at any angle.
   const double cosine = line.left ? std::fabs(line.left->at.facing) : kMinCosine;
   const double reach = line.left ? scene.close[line.left->surface].reach : scene.largest_reach;
   line.back = 2.0 * reach / std::max(kMinCosine, cosine);
@@ -200,7 +200,7 @@ std::size_t crossings_near(const EmbreeScene& scene, const Ray& ray, float time,
     }
   }
   if (count > 0 && departure.exact && !line.left) {
-    // In a medium, between surfaces that touch: what lies behind was not crossed either.
+    // In a medium, between surfaces that touch: the surface behind was not crossed either.
     for (std::size_t i = 0; i < picture.count; ++i) {
       if (!(all[i].at.distance > 0.0) && touch(all, ahead[0], i, scene.close)) {
         ahead[count++] = i;

@@ -1,5 +1,6 @@
 // Searches for rays that depart exactly, where surfaces lie so close together that Embree's single
-// precision does not tell their order: Embree offers what is near, and double precision decides.
+// precision does not tell their order: Embree offers the primitives nearby, and double precision
+// decides.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// The scene's shapes in bounding volume hierarchies: a tree of our own for what is at rest
+// The scene's shapes in bounding volume hierarchies: the worker's tree for shapes at rest
 // (tree_search), Embree's for what moves (packets) and for exact order (exact_search). Embree is
 // known in this folder alone.
 #pragma once
@@ -29,7 +29,7 @@ struct TimedRay {
   Ray ray;
   float time;
   float end = std::numeric_limits<float>::infinity();
-  /// Null for one that starts at its origin, off what it left.
+  /// Null for one that starts at its origin, off the surface it left.
   const Departure* departure = nullptr;
 };
 
@@ -41,7 +41,7 @@ struct NearCrossing {
   bool touches_first;
 };
 
-/// How rays of a list lie to those beside them: only what a query costs depends on it.
+/// How rays of a list lie to their neighbours in it: only what a query costs depends on it.
 enum class Ways { kScattered, kTogether };
 
 class Geometry {
@@ -58,8 +58,8 @@ class Geometry {
   Geometry(const Geometry&) = delete;
   Geometry& operator=(const Geometry&) = delete;
 
-  /// What is close to each surface; to be told once, before rays are traced. Until then nothing is
-  /// close to anything.
+  /// The surfaces close to each surface; to be set once, before rays are traced. Until then nothing
+  /// is close to anything.
   void set_close(std::vector<CloseSurface> close);
   const CloseSurface& close(std::uint32_t surface) const;
   /// Whether anything is close to anything.
@@ -68,11 +68,11 @@ class Geometry {
   /// The nearest hit in front of the origin, at a time within the shutter, [0, 1]. Safe from any
   /// number of threads.
   std::optional<Hit> intersect(const Ray& ray, float time) const;
-  /// The same for a ray from where something was left; only what it left itself, and what touches
-  /// that, is left out.
+  /// The same for a ray from where something was left; only the surface it left itself, and any
+  /// that touches that, is left out.
   std::optional<Hit> intersect(const Ray& ray, float time, const Departure& departure) const;
 
-  /// The same for many: what is found for a ray does not depend on the others.
+  /// The same for many: the result for a ray does not depend on the others.
   void intersect(std::span<const TimedRay> rays, std::span<std::optional<Hit>> hits) const;
 
   /// A ray that leaves a hit: from its point itself where anything is close to the surface, else
@@ -84,12 +84,12 @@ class Geometry {
                 Ways ways = Ways::kScattered) const;
 
   /// What a hit's ray crosses, at the same time, no further from the hit than `reach` metres along
-  /// the ray, in exact order; mostly the hit is among them, though a little beside an edge it need
+  /// the ray, in exact order; mostly the hit is among them, though slightly off an edge it need
   /// not be. Returns how many there are in `found`: the first, if it has not room for all.
   std::size_t crossings_near(const Ray& ray, float time, const Departure& departure, const Hit& hit,
                              float reach, std::span<NearCrossing> found) const;
 
-  /// What is more to say about a hit, at the time at which it was found.
+  /// The further properties of a hit, at the time at which it was found.
   SurfaceDetail detail(const Hit& hit, float time) const;
 
   /// A sphere that holds everything, at all times.

@@ -20,7 +20,7 @@ struct LargePages {
   explicit LargePages(const LargePages<U>&) {}
 
   T* allocate(std::size_t count) {
-    // What is smaller than one would only take more memory.
+    // A block smaller than one would only take more memory.
     const std::size_t alignment = count * sizeof(T) < kPage ? alignof(T) : kPage;
     const std::size_t bytes = (count * sizeof(T) + alignment - 1) / alignment * alignment;
     void* memory = std::aligned_alloc(alignment, bytes);

@@ -77,7 +77,7 @@ void find_again(Double3 a, Double3 ab, Double3 ac, Double3 across, Double3 origi
   found.u = static_cast<float>(u);
   found.v = static_cast<float>(v);
   if (u >= 0.0 && v >= 0.0 && u + v <= 1.0) return;
-  // A little beside it: the nearest point of an edge.
+  // Slightly outside of it: the nearest point of an edge.
   double nearest = std::numeric_limits<double>::infinity();
   const auto try_edge = [&](Double3 from, Double3 edge, const auto& coordinates) {
     const double part = std::clamp(dot(q - from, edge) / dot(edge, edge), 0.0, 1.0);

@@ -16,7 +16,7 @@ struct Found {
 };
 
 /// Whether a search's barycentric coordinates, and a normal in single precision, may be of no use:
-/// what they are off by grows with the longest edge over the triangle's width. `across` is the
+/// their error grows with the longest edge over the triangle's width. `across` is the
 /// length of the product of two edges, the longer of which is `edge` m long.
 template <class Real>
 bool is_needle(Real edge, Real across) {
@@ -38,7 +38,7 @@ Hit locate_needle(const Corners& p, Double3 origin, Double3 direction, Found fou
 inline Hit locate(const Corners& p, Double3 origin, Double3 direction, const Found& found) {
   const Vec3 ab = p.b - p.a, ac = p.c - p.a, n = cross(ab, ac);
   const float edge = std::max(max_abs(ab), max_abs(ac));
-  // Also of what has no area.
+  // Also for triangles without area.
   if (is_needle(edge, length(n))) [[unlikely]]
     return locate_needle(p, origin, direction, found);
   const Vec3 position = p.a + found.u * ab + found.v * ac;

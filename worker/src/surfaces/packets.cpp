@@ -41,8 +41,8 @@ static_assert(sizeof(Ray) == 6 * sizeof(float) && offsetof(TimedRay, ray) == 0 &
               offsetof(TimedRay, time) == 6 * sizeof(float) &&
               offsetof(TimedRay, end) == 7 * sizeof(float));
 
-// Rays of a packet have nothing to do with each other: then Embree finds for each what it finds for
-// it alone, bit for bit, whatever rays it is with (tests/worker/surfaces/packets_test.cpp).
+// Rays of a packet have nothing to do with each other: then Embree gives each the same result as
+// for it alone, bit for bit, whatever rays it is with (tests/worker/surfaces/packets_test.cpp).
 template <class Packet>
 void fill(Packet& packet, std::span<const TimedRay> rays, std::span<int> valid) {
   std::array<Row, kPacket> rows;

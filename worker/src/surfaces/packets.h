@@ -1,4 +1,4 @@
-// Searches by Embree for many rays, eight at a time; what is found for a ray does not depend on the
+// Searches by Embree for many rays, eight at a time; the result for a ray does not depend on the
 // others.
 #pragma once
 
@@ -20,7 +20,7 @@ inline constexpr std::size_t kPacket = 8;
 void intersect_packets(const EmbreeScene& scene, std::span<const TimedRay> rays,
                        std::span<std::optional<Hit>> hits);
 
-/// Sets to 1 what is blocked by one of Embree's trees; see Geometry::occluded.
+/// Sets to 1 the rays that are blocked by one of Embree's trees; see Geometry::occluded.
 void occluded_packets(RTCScene in, std::span<const TimedRay> rays, std::span<std::uint8_t> blocked,
                       Ways ways);
 

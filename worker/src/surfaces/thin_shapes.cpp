@@ -73,8 +73,8 @@ Double3 normal(const Triangle& t) {
   return max_abs(n) > rounding ? n : Double3{0, 0, 0};
 }
 
-// Between two parts of one surface that face the same way there is nothing thin, however fine the
-// mesh; at a right angle no more than at an edge.
+// Between two parts of one surface that face in the same direction there is nothing thin, however
+// fine the mesh; at a right angle no more than at an edge.
 bool face_away(const Triangle& a, const Triangle& b) { return dot(normal(a), normal(b)) < 0.0; }
 
 // Surfaces that cross each other at an angle are close in a strip as wide as the reach: no more
@@ -109,7 +109,7 @@ bool may_be_close(const TriangleMesh& a, const TriangleMesh& b, double reach) {
     const Triangle one = triangle_of(a, of_a.number), other = triangle_of(b, of_b.number);
     return may_lie_along(one, other) && !apart(one, other, reach);
   };
-  // Trees of what may matter only: a mesh is asked about with each that stands by it.
+  // Trees only of the shapes that may matter: a mesh is asked about with each that stands by it.
   std::vector<TriangleBox> boxes_a = boxes_of(a), boxes_b = boxes_of(b);
   const auto keep_by = [reach](std::vector<TriangleBox>& boxes, const Box& other) {
     std::erase_if(boxes, [&](const Box& box) { return !reaches(box, other, reach); });

@@ -1,4 +1,4 @@
-// Shapes whose parts lie close together: panes, films, sheets that are folded, what stands on a
+// Shapes whose parts lie close together: panes, films, folded sheets, objects on a
 // table.
 #pragma once
 

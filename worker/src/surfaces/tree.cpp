@@ -37,7 +37,7 @@ class Placing {
     std::array<const Binary*, kWidth> all;
     std::size_t count = 0;
   };
-  // As weighed: at most k + 1 of what is below.
+  // As weighed: at most k + 1 of the nodes below.
   static void collect(const Binary& b, std::size_t k, Children& into) {
     if (b.is_leaf || b.split[k] == 0) {
       into.all[into.count++] = &b;

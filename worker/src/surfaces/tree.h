@@ -1,4 +1,4 @@
-// A hierarchy of boxes over shapes at rest: what is small enough to stay in a processor's caches
+// A hierarchy of boxes over shapes at rest, small enough to stay in a processor's caches
 // where Embree's own tree is not. Nodes hold boxes in bytes (Ylitie, Karras and Laine, "Efficient
 // Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017), leaves hold corners that
 // their triangles share.
@@ -24,7 +24,7 @@ struct Tree {
   /// Levels of nodes and leaves.
   static constexpr std::size_t kMaxDepth = 60;
 
-  /// Number of a block, and what it is.
+  /// Number of a block, and its kind.
   enum class Kind : std::uint32_t { kNode, kTriangles, kBall, kInstance };
   using Reference = std::uint32_t;
   static constexpr Reference reference(std::size_t block, Kind kind) {

@@ -1,6 +1,6 @@
-// Some rays are under way at a time, each at a node or a leaf. In a round each of them takes one
+// Some rays are in flight at a time, each at a node or a leaf. In a round each of them takes one
 // step, and what its next step needs is asked of memory: it comes while the others take theirs.
-// Steps do not branch on what they find, so the processor works on several of them at once.
+// Steps do not branch on their results, so the processor works on several of them at once.
 #include "surfaces/tree_search.h"
 
 #include <immintrin.h>
@@ -21,7 +21,7 @@ namespace {
 
 using namespace walking;
 
-// Rays under way: more did not pay, and all of them fit into the first cache.
+// Rays in flight: more did not pay, and all of them fit into the first cache.
 constexpr std::size_t kUnderWay = 24;
 
 template <bool kAny>
@@ -58,7 +58,7 @@ class Search {
   }
 
  private:
-  // Which rays take a step, by what they are at.
+  // Which rays take a step, by the kind of node they are at.
   static constexpr std::array kKinds{Tree::Kind::kNode, Tree::Kind::kTriangles, Tree::Kind::kBall,
                                      Tree::Kind::kInstance};
   struct Round {
@@ -99,7 +99,7 @@ class Search {
   void enter_instance(Walk& walk) {
     const auto& one = scene_.instances_in_groups[tree_.block(walk.at).alone.number];
     const TimedRay& timed = rays_[walk.ray];
-    // So that what is met at the very end is found, too.
+    // So that a surface at the very end is found, too.
     const float end = std::nextafter(walk.nearest.end, kInfinite);
     const RTCRay ray = embree_ray(timed.ray, timed.time, end);
     if constexpr (kAny) return end_if(walk, blocked_by(one, ray));

@@ -1,4 +1,4 @@
-// Searches in a scene's tree for many rays, in turns; what is found for a ray does not depend on
+// Searches in a scene's tree for many rays, in turns; the result for a ray does not depend on
 // the others, nor on how the tree was built.
 #pragma once
 
@@ -16,7 +16,7 @@ namespace nocturne {
 void intersect_tree(const EmbreeScene& scene, std::span<const TimedRay> rays,
                     std::span<std::optional<Hit>> hits);
 
-/// Sets to 1 what is blocked; see Geometry::occluded.
+/// Sets to 1 the rays that are blocked; see Geometry::occluded.
 void occluded_tree(const EmbreeScene& scene, std::span<const TimedRay> rays,
                    std::span<std::uint8_t> blocked);
 

@@ -1,5 +1,5 @@
-// A ray under way through a tree, and its steps: into a node, across the triangles of a leaf. They
-// do not branch on what they find. Of tree_search.cpp alone.
+// A ray in flight through a tree, and its steps: into a node, across the triangles of a leaf. They
+// do not branch on their results. Only tree_search.cpp uses this.
 #pragma once
 
 #include <immintrin.h>
@@ -116,7 +116,7 @@ inline Tree::Triangle place_of(const Tree& tree, std::uint32_t what) {
   }
 }
 
-// A ray under way.
+// A ray in flight.
 struct alignas(64) Walk {
   // x, y, z and nothing, twice: for near planes and for far ones.
   std::array<float, 8> origin, inverse;
@@ -205,7 +205,7 @@ template <bool kAny>
                                    _mm256_min_ps(to_plane(5, 2, 6), all_lanes(walk.nearest.end)));
   const Floats missed = _mm256_cmp_ps(begin, end, _CMP_NLE_UQ);
   const auto mask = static_cast<unsigned>(_mm256_movemask_ps(missed));
-  // The last three bits of where a child begins give way to its number.
+  // The last three bits of where a child begins are replaced by its number.
   Whole keys =
       _mm256_or_si256(_mm256_andnot_si256(_mm256_set1_epi32(7), _mm256_castps_si256(begin)),
                       _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7));
@@ -257,9 +257,9 @@ template <bool kAny>
   const Floats whole = _mm256_div_ps(_mm256_set1_ps(1.0f), sum);
   // To the plane, by its normal from the corners as they are: interpolated between corners, what is
   // long and thin would be met far off its plane. One of the two edges is the shortest, whose
-  // rounding is small beside the triangle's width, and the products are subtracted without loss
-  // (Kahan; Jeannerod, Louvet and Muller, Math. Comp. 82, 2013): by two long edges a needle's plane
-  // is turned so far that rays meet the needle that they leave, from behind.
+  // rounding is small compared with the triangle's width, and the products are subtracted without
+  // loss (Kahan; Jeannerod, Louvet and Muller, Math. Comp. 82, 2013): by two long edges a needle's
+  // plane is turned so far that rays meet the needle that they leave, from behind.
   Floats first[3], second[3];
   Floats to_third = zero, from_second = zero;
   for (std::size_t axis = 0; axis < 3; ++axis) {

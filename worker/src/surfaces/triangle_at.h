@@ -1,4 +1,4 @@
-// A triangle's corners, and what is interpolated between them, at one time.
+// A triangle's corners, and the values interpolated between them, at one time.
 #pragma once
 
 #include "math/time_steps.h"
