@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 [[noreturn]] void refuse(const std::string& what) { throw std::runtime_error(what); }
 
-// Whole or not at all: written beside it, then renamed.
+// Whole or not at all: written next to it, then renamed.
 void write_file(const fs::path& path, const std::function<void(const fs::path&)>& write) {
   const fs::path part = path.string() + ".part";
   try {

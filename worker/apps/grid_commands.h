@@ -1,4 +1,4 @@
-// What nocturne-grid does. All throw std::exception, in words, and answer what was read or written.
+// The commands of nocturne-grid. All throw std::exception with a message and return a report.
 #pragma once
 
 #include <filesystem>

@@ -49,7 +49,7 @@ int answered(const std::function<nlohmann::json()>& command, const GridLimits& l
   return kBadInput;
 }
 
-// In a process of its own: what OpenVDB does not notice about a damaged file may kill it, and then
+// In a separate process: damage to a file that OpenVDB does not notice may kill it, and then
 // somebody must be there to say so.
 int run(const std::function<nlohmann::json()>& command, const GridLimits& limits) {
   const pid_t child = fork();

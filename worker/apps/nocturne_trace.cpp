@@ -1,5 +1,5 @@
 // The tracer alone: a compiled scene and a range schedule in, an EXR out, no service. Gives the
-// bits that the service gives. One file, though long: options, what they ask for, and what is
+// bits that the service gives. One file, though long: options, their actions, and the files
 // written, with nothing that anyone else would use.
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -328,7 +328,7 @@ int run_command(std::vector<std::string> words) {
       ->excludes(job);
   app.add_option(
          "--pilot", options.pilot,
-         "Instead of an image, a JSON file that tells which way to trace is best, of those "
+         "Instead of an image, a JSON file that names the best method of tracing, of those "
          "that are open: direction (adjoint photons, or what the scene says), aim (of forward "
          "photons, as the scene says or not), learn (what to aim them at, of a scene that does not "
          "say), ratio (of forward photons to adjoint ones), guide (of adjoint photons, to where "

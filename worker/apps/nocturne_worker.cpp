@@ -178,7 +178,7 @@ int run(const Arguments& arguments) {
     log_line(LogLevel::kInfo, name + " hands back what is not done");
     worker->hand_back();
   }
-  // Threads may still load or trace; nothing of what they do is needed.
+  // Threads may still load or trace; none of their results is needed.
   std::_Exit(EXIT_SUCCESS);
 }
 

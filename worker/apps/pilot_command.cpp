@@ -66,7 +66,7 @@ std::string aims_json(const std::vector<Aim>& aims) {
 // Part of a render's samples from which aims are learned, and light to guide photons by: at least
 // so many, and at most as many as are enough to find what a thousandth of the photons is worth.
 constexpr double kLearnedFrom = 0.005, kMinLearnedFrom = 1e4, kMaxLearnedFrom = 3e5;
-// Part of the photons that are then aimed; the others leave as luminaires emit, and what they find
+// Part of the photons that are then aimed; the others leave as luminaires emit, and their hits
 // weighs 2.5 times as much (docs/decisions/0130).
 constexpr double kAimed = 0.6;
 

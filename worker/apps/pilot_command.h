@@ -1,4 +1,4 @@
-// nocturne-trace --pilot: which way to trace a scene is best, for whoever compiles it
+// nocturne-trace --pilot: which method of tracing a scene is best, for whoever compiles it
 // (docs/decisions/0062-ways-are-chosen-by-a-pilot.md).
 #pragma once
 
@@ -11,7 +11,7 @@
 namespace nocturne {
 
 struct PilotCommand {
-  /// What may be chosen: names of kPilotChooses.
+  /// The methods that may be chosen: names of kPilotChooses.
   std::vector<std::string> open;
   std::string blobs, output;
   unsigned threads;
@@ -20,7 +20,7 @@ struct PilotCommand {
 inline const std::vector<std::string> kPilotChooses{"direction", "aim",   "learn",  "ratio",
                                                     "guide",     "parts", "sharing"};
 
-/// A JSON file: what is best, and what each way did. Throws what loading and tracing throw.
+/// A JSON file: the best method, and the figures of each. Throws like loading and tracing.
 void run_pilot_command(const PilotCommand& command, v1::CompiledScene message,
                        const v1::RangeSchedule& schedule);
 

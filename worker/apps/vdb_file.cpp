@@ -14,7 +14,7 @@ using nlohmann::json;
 
 [[noreturn]] void refuse(const std::string& what) { throw std::runtime_error(what); }
 
-// A number that OpenVDB writes beside a grid; 0 where it is not there.
+// A number that OpenVDB writes next to a grid; 0 where it is not there.
 std::int64_t said(const openvdb::MetaMap& header, const char* name) {
   const auto number = header.getMetadata<openvdb::Int64Metadata>(name);
   return number ? number->value() : 0;

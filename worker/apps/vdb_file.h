@@ -1,4 +1,4 @@
-// OpenVDB files, opened with care: what they say of themselves is checked before a tree is built.
+// OpenVDB files, opened with care: their own metadata is checked before a tree is built.
 #pragma once
 
 #include <openvdb/io/Archive.h>
@@ -19,7 +19,7 @@ struct GridLimits {
   std::int64_t bytes = std::int64_t{8} << 30;
 };
 
-/// An archive of its own rather than OpenVDB's File, which takes what lies beyond the end of a file
+/// A separate archive class rather than OpenVDB's File, which takes bytes beyond the end of a file
 /// for zeros.
 class VdbFile : private openvdb::io::Archive {
  public:

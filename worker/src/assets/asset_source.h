@@ -23,8 +23,8 @@ class AssetSource {
   /// TLS, to a service whose certificate one of them signed. Connects when first used.
   explicit AssetSource(const std::string& target, const std::string& authorities = "");
 
-  /// Reads a file once: calls `on_size`, then `on_bytes` in order. What they throw ends the call.
-  /// Throws AssetUnavailable (try later) or AssetError.
+  /// Reads a file once: calls `on_size`, then `on_bytes` in order. An exception that they throw
+  /// ends the call. Throws AssetUnavailable (try later) or AssetError.
   void fetch(const std::string& sha256, const OnSize& on_size, const OnBytes& on_bytes) const;
 
  private:

@@ -72,7 +72,7 @@ void Download::commit(const fs::path& target) {
     throw AssetDamaged("asset " + expected_sha256_ + ": the bytes that arrived have digest " +
                        actual);
   }
-  // No fsync: every process checks the digest of what it finds before it uses it.
+  // No fsync: every process checks the digest of the file before it uses it.
   if (rename(path_.c_str(), target.c_str()) != 0) fail("can't be moved to " + target.string());
   close(descriptor_);
   descriptor_ = -1;

@@ -1,4 +1,4 @@
-// A file on its way into the cache: it gets its name only when all bytes are there and right.
+// A file being downloaded into the cache: it gets its name only when all bytes are there and right.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,7 @@ class Download {
   /// disk does not take it.
   void write(std::string_view bytes);
 
-  /// Checks size and digest and gives the file its name, replacing what is there in one step.
+  /// Checks size and digest and gives the file its name, replacing any file there in one step.
   /// Throws AssetDamaged or AssetUnavailable.
   void commit(const std::filesystem::path& target);
 

@@ -7,7 +7,7 @@
 
 namespace nocturne {
 
-/// What it proves with who it is; for its own eyes only.
+/// The credentials that prove its identity; no one else may read them.
 struct Enrolment {
   std::string machine;
   /// Signs results: HMAC-SHA-256.

@@ -81,7 +81,7 @@ std::shared_ptr<const SealedFile> SealedFile::copy(const std::filesystem::path& 
   Sha256 digest;
   std::uint64_t bytes = 0;
   while (true) {
-    // Another process may write to it at this moment: what counts is what was read.
+    // Another process may write to it at this moment: only the bytes that were read count.
     const auto piece = read_piece(from.number(), buffer);
     if (!piece) return nullptr;
     if (piece->empty()) break;

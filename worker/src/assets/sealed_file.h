@@ -9,7 +9,7 @@
 
 namespace nocturne {
 
-/// Gone with the object; who has mapped it keeps what is mapped.
+/// Gone with the object; a process that has mapped it keeps the mapping.
 class SealedFile {
  public:
   /// A copy of a file, if that has at most `max_bytes` and its bytes the digest; null if not.

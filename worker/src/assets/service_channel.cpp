@@ -12,8 +12,8 @@ constexpr int kMaxChunkBytes = 16 << 20;
 // gRPC's own default waits up to two minutes between attempts to connect.
 constexpr int kLongestReconnectMs = 2000;
 
-/// gRPC 1.51 may wait ten seconds for a poller of its own when its last object goes; a worker that
-/// is told to stop doesn't have them. So gRPC stays until the process ends.
+/// gRPC 1.51 may wait ten seconds for its poller when its last object goes; a worker that
+/// is asked to stop doesn't have them. So gRPC stays until the process ends.
 void keep_grpc() {
   static const bool kept = (grpc_init(), true);
   static_cast<void>(kept);
@@ -27,7 +27,7 @@ std::shared_ptr<grpc::Channel> service_channel(const std::string& target,
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(kMaxChunkBytes);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, kLongestReconnectMs);
-  // The service is where Redis is; a web proxy is not on the way.
+  // The service is where Redis is; there is no web proxy in between.
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
   const auto credentials =
       authorities.empty()

@@ -18,7 +18,7 @@ struct MappedFile {
 /// std::invalid_argument if there is no such file.
 MappedFile map_file(const std::filesystem::path& file);
 
-/// From now on the kernel reads pages alone, not what is around them: megabytes for each, where
+/// From now on the kernel reads pages alone, not their surroundings: megabytes for each, where
 /// memory is too small for the file.
 void expect_scattered_reads(const MappedFile& file);
 

@@ -149,7 +149,7 @@ class Channels {
     for (const double own_ratio : own_ratios) put(own_ratio);
   }
 
-  // X, Y, Z of what some pixels have together: sums, their products, and variances of pixels alone.
+  // Joint X, Y, Z of some pixels: sums, their products, and variances of pixels alone.
   struct Together {
     std::array<double, 3> sums{}, variances{};
   };

@@ -31,13 +31,13 @@ struct ImageProvenance {
 /// samples of every pixel. Float channels: X, Y, Z (Y in cd/m2) and one with the name of each
 /// further response; the standard error of each, NAME.stderr; XY.correlation, XZ.correlation and
 /// YZ.correlation of their errors; X.ownRatio and so on, the variance by the pixel's own
-/// samples over that of NAME.stderr; X.blockRatio and so on, the variance of what a
-/// block's pixels have together over the sum of their variances, X.tileRatio and so on, that of a
-/// tile over those of its blocks, and XY.blockCorrelation and so on of errors of what a block's
-/// pixels have together; linear sRGB in R, G, B for viewers, unless a response has one of these
-/// names. And n (uint). Throws std::invalid_argument where names are more or fewer than the
-/// responses or two channels have one name, and another std::exception where the file can't be
-/// written.
+/// samples over that of NAME.stderr; X.blockRatio and so on, the joint variance
+/// of a block's pixels over the sum of their variances, X.tileRatio and so on, that of a
+/// tile over those of its blocks, and XY.blockCorrelation and so on of errors of the joint
+/// sums of a block's pixels; linear sRGB in R, G, B for viewers, unless a response has one of these
+/// names. Another channel is n (uint). Throws std::invalid_argument where names are more or fewer
+/// than the responses or two channels have one name, and another std::exception where the file
+/// can't be written.
 void write_exr(const std::filesystem::path& path, const TileSums& film, std::uint32_t tile_size,
                std::span<const std::string> further_responses, std::uint32_t samples,
                const ImageProvenance& provenance);

@@ -9,11 +9,10 @@
 //   base        (base / pi) (1 - E(wo)) (1 - E(wi)) / mean(1 - E), E what dielectric and coat
 //               reflect (C. Kelemen and L. Szirmay-Kalos, Eurographics 2001 short papers,
 //               section 2.1): so that E + (1 - E) base leaves
-//   coat        GGX facets with a separate alpha and index; the parts below get 1 less the larger
-//   of
-//               what the coat reflects of wo and of wi; its index is taken against vacuum
-//   sheen       fibres that stand up (sheen.h); the parts below get 1 less the larger of what they
-//               reflect of wo and of wi
+//   coat        GGX facets with a separate alpha and index; the parts below get 1 less the
+//               larger of what the coat reflects of wo and of wi; its index is taken against vacuum
+//   sheen       fibres that stand up (sheen.h); the parts below get 1 less the larger of
+//               their reflectances of wo and of wi
 // Light that bounces between facets of metal is kept (ggx_energy.h), that of dielectrics goes
 // below. Alpha is the square of roughness; brushed facets have two, and an angle to the tangent.
 // Each part is reciprocal. No subsurface scattering; transmission is another kernel's.

@@ -75,7 +75,7 @@ class ThinPane {
         mean_index_(index_.mean()),
         mean_transmittance_(transmittance_.mean()) {}
 
-  /// The side of the light counts as both sides.
+  /// The lobe on the side of the light is on both sides.
   static constexpr bool has_delta_lobe() { return true; }
   static constexpr bool may_transmit() { return true; }
 

@@ -71,7 +71,7 @@ DistantStart::Start DistantStart::sample(Vec3 towards, const Geometry::Ball& lit
   float pdf = anywhere ? (1.0f - aimed) / area(lit) : 0.0f;
   for (std::size_t i = 0; i < aims_.size(); ++i) {
     const Aim& aim = aims_[i];
-    // A point drawn at a rim may be rounded off it.
+    // A start drawn at a rim may be rounded off it.
     if (i == chosen || within(from_middle - middle_of(aim), aim.ball.radius)) {
       pdf += aimed * aim.part / area(aim.ball);
     }

@@ -81,7 +81,7 @@ class EnvironmentMap {
     return finish(from, begin(from, u1, u2));
   }
 
-  /// A uniform number in whole sums, and the sum to the left of it.
+  /// A uniform number in whole sums, and the whole part of it.
   struct Target {
     double exact;
     std::uint64_t whole;
@@ -108,7 +108,7 @@ class EnvironmentMap {
   };
 
   Vec3 to_map(Vec3 v) const { return {dot(v, axes_.x), dot(v, axes_.y), dot(v, axes_.z)}; }
-  // Of a texel with this share of what is drawn.
+  // Of a texel with this share of the samples.
   float density(std::uint64_t share, std::uint64_t total) const;
   Window window(const LightSamplingContext& from) const;
   void sum_up(const std::vector<float>& means);
@@ -124,7 +124,7 @@ class EnvironmentMap {
     return corner(w.row1, w.strip0 + w.strips) - corner(w.row1, w.strip0) -
            corner(w.row0, w.strip0 + w.strips) + corner(w.row0, w.strip0);
   }
-  // Of each row what is left of a column, the right edge included.
+  // For each row, the sum to the left of a column, the right edge included.
   const std::uint64_t* left_of(std::uint32_t row) const {
     return &left_[std::size_t{row} * (columns_ + 1)];
   }

@@ -1,6 +1,6 @@
 // Where light comes from at places that photons from the luminaires came to, as a density over
-// directions: what mirrors and glass gather comes in narrow cones that neither a surface nor a
-// luminaire reveals. After Jensen, "Importance Driven Path Tracing Using the Photon Map", EGWR
+// directions: light that mirrors and glass gather comes in narrow cones that neither a surface nor
+// a luminaire reveals. After Jensen, "Importance Driven Path Tracing Using the Photon Map", EGWR
 // 1995, with cones in the place of a grid of directions.
 //
 // A k-d tree over places, with so few arrivals in each of its cells that all are asked. Around

@@ -78,7 +78,7 @@ class LightDirections {
   bool sample_light(const LightSamplingContext& from, float choice, float u1, float u2,
                     const std::optional<Environment::Draft>& begun, LightSample& light) const;
 
-  /// Half of the directions are drawn from the learned cones, where a context has a cell of it.
+  /// Half of the directions are drawn from the learned cones, where a context has a cell of them.
   void set_learned(LearnedLight learned) { learned_ = std::move(learned); }
   const LearnedLight& learned() const { return learned_; }
 
@@ -90,7 +90,7 @@ class LightDirections {
   const LuminaireDirections& important() const { return important_; }
 
  private:
-  // Also tell what was drawn from the environment, if anything was.
+  // Also report the sample drawn from the environment, if there is one.
   using FromEnvironment = std::optional<Environment::Drawn>;
   std::optional<DrawnDirection> sample(const LightSamplingContext& from, float choice, float u1,
                                        float u2, FromEnvironment& drawn) const;

@@ -30,7 +30,7 @@ struct ElementPoint {
   float clearance;
 };
 
-/// A direction drawn towards an element, and what it finds of it.
+/// A direction drawn towards an element, and the values found there.
 struct ElementSample {
   Vec3 direction;
   /// Density of such draws, 1/sr.

@@ -41,7 +41,7 @@ class WidenedLamps {
   /// Of the lamps that `reaches(hidden_from, direction, distance)`: whether they can be seen so far
   /// off, m, from the origin.
   struct Met {
-    /// Radiance of the widened lamps, W m-2 sr-1 nm-1: the mean of what photons meet that hit a
+    /// Radiance of the widened lamps, W m-2 sr-1 nm-1: the mean that photons meet that hit a
     /// lamp, or miss it, by chance; and the mean of its square.
     float mean = 0.0f, square = 0.0f;
   };

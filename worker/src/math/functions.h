@@ -1,4 +1,4 @@
-// Elementary functions of our own, so that images do not depend on the C library: its versions
+// The worker's elementary functions, so that images do not depend on the C library: its versions
 // round differently, and it chooses its functions by the processor. IEEE 754 fixes +, -, *, / and
 // the fused multiply-add of these to the last bit. For float all is computed in double.
 //
@@ -34,7 +34,7 @@ constexpr std::size_t terms(std::size_t single, std::size_t twice) {
   return std::same_as<T, float> ? single : twice;
 }
 
-/// sum of c[i] x^i, even and odd powers beside each other
+/// sum of c[i] x^i, even and odd powers interleaved
 template <std::size_t N>
 double polynomial(double x, const std::array<double, N>& c) {
   const double square = x * x;
@@ -74,7 +74,7 @@ struct Whole {
   std::int64_t integer;
 };
 
-/// The nearest whole number; |x| < 2^51. Of NaN: NaN, and any integer.
+/// The nearest whole number; |x| < 2^51. For NaN it gives NaN, and any integer.
 inline Whole nearest(double x) {
   const double moved = x + kRounder;
   const auto low = static_cast<std::int32_t>(std::bit_cast<std::int64_t>(moved));

@@ -9,7 +9,7 @@ namespace nocturne {
 /// As many as Embree takes.
 inline constexpr std::size_t kMaxTimeSteps = 129;
 
-/// Between which two steps a time is: first and first + 1, `fraction` of the way.
+/// Between which two steps a time is: first and first + 1, `fraction` of the distance between them.
 struct TimeSegment {
   std::size_t first;
   float fraction;

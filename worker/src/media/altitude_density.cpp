@@ -13,7 +13,7 @@ namespace nocturne {
 namespace {
 
 constexpr double kLowest = -80.0, kHighest = 100.0;  // scale heights
-// So that no rounding puts what is there above a bound.
+// So that no rounding puts the density there above a bound.
 constexpr float kRoundedUp = 1.000001f;
 constexpr std::size_t kMaxKnots = 10'000, kMaxLayers = 64;
 
@@ -171,8 +171,8 @@ AltitudeMajorants::AltitudeMajorants(const AltitudeDensity& density, const Ray& 
   per_metre_ = kRounding * along(d);
   const auto above = std::ranges::upper_bound(density.edges_, altitude_(0.0));
   layer_ = static_cast<std::size_t>(above - density.edges_.begin());
-  // As far over an edge as rounding reaches, the denser layer below has not ended: a way from there
-  // out of all layers would have its bound for ever.
+  // As far over an edge as rounding reaches, the denser layer below has not ended: a path from
+  // there out of all layers would have its bound without end.
   while (layer_ > 0 && density.majorant_[layer_ - 1] > density.majorant_[layer_] &&
          altitude_(0.0) < density.edges_[layer_ - 1] + 2.0 * reach_) {
     --layer_;

@@ -1,4 +1,4 @@
-// Altitude above a plane or a sphere, in double precision: right to a nanometre beside the ground
+// Altitude above a plane or a sphere, in double precision: right to a nanometre next to the ground
 // of a planet, where the difference of two distances from its centre would know a millionth of a
 // metre at best.
 #pragma once
@@ -27,7 +27,8 @@ struct Ground {
   }
 };
 
-/// Altitude along a ray: a convex function of the way, which falls up to `lowest` and then rises.
+/// Altitude along a ray: a convex function of the distance, which falls up to `lowest` and then
+/// rises.
 class AltitudeAlong {
  public:
   static constexpr double kNever = std::numeric_limits<double>::infinity();

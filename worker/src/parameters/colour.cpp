@@ -6,7 +6,7 @@
 namespace nocturne {
 namespace {
 
-// Over what people see; the spectrum of the colour is smooth.
+// Over the visible wavelengths; the spectrum of the colour is smooth.
 float mean_of(const SigmoidSpectrum& spectrum) {
   constexpr int kFirst = 380, kStep = 10, kCount = 41;
   float sum = 0.0f;

@@ -1,7 +1,7 @@
 // Jobs and results on Redis streams, as one consumer of the group sees them.
 //
-// The stream is a hint: the coordinator knows what is open and merges a range once, so that a job
-// done twice or a result delivered twice changes nothing.
+// The stream is a hint: the coordinator knows the open ranges and merges a range once, so that a
+// job done twice or a result delivered twice changes nothing.
 #pragma once
 
 #include <chrono>

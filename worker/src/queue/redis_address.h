@@ -20,7 +20,7 @@ struct RedisAddress {
 
 /// Reads `unix:///path`, `tcp://host[:port]` or `redis://host[:port]`, IPv6 hosts in brackets, and
 /// user and password from NOCTURNE_REDIS_USER and NOCTURNE_REDIS_PASSWORD.
-/// Throws std::invalid_argument that says what is wrong with the URL, also if a password is in it.
+/// Throws std::invalid_argument that names the error in the URL, also if a password is in it.
 RedisAddress redis_address(const std::string& url);
 
 }  // namespace nocturne

@@ -1,4 +1,4 @@
-// What can go wrong with Redis. Whether to retry is the caller's decision.
+// Errors of Redis. The caller decides whether to retry.
 #pragma once
 
 #include <stdexcept>

@@ -83,7 +83,7 @@ class PixelSequence {
     return std::bit_cast<__m128i>(philox4x32({sample, set, pixel_, 0u}, key_));
   }
 
-  /// Every photon asks for the same first sets of its way and of its branches, so these are kept.
+  /// Every photon asks for the same first sets of its path and of its branches, so these are kept.
   Randomisation randomisation(std::uint32_t set) {
     const std::uint32_t branch = set >> kBranchBits, own = set & ((1u << kBranchBits) - 1u);
     if (own >= kRemembered || branch >= kBranches) return make(set);
@@ -166,8 +166,8 @@ class PhotonSequence {
     for (; i < count; ++i) numbers[i] = sequence_of(i).next();
   }
 
-  /// Numbers of a photon that leaves this one's way: they have nothing in common with what follows
-  /// here. Of 1 to 255, a branch of a branch being the sum of both.
+  /// Numbers of a photon that leaves this one's path: they have nothing in common with what follows
+  /// here. The number is 1 to 255, a branch of a branch being the sum of both.
   PhotonSequence branch(std::uint32_t number) const {
     PhotonSequence other = *this;
     other.set_ += number << PixelSequence::kBranchBits;
@@ -175,7 +175,7 @@ class PhotonSequence {
   }
 
  private:
-  /// Of the Sobol sequence, reversed, and what is left to do to it.
+  /// Of the Sobol sequence, reversed, and the scrambling left to do to it.
   struct Point {
     __m128i fractions, scrambles;
   };

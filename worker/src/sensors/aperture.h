@@ -43,7 +43,7 @@ class Aperture {
       const Vec3 disc = CosineHemisphere::sample(u, v);  // its x, y are uniform on the unit disc
       return {radius_ * disc.x, radius_ * disc.y};
     }
-    // A triangle from the centre for each blade; u says which, and what is left of it how far out.
+    // A triangle from the centre for each blade; u says which, and its remainder how far out.
     const std::size_t blades = corners_.size() - 1;
     const float position = u * static_cast<float>(blades);
     const std::size_t blade = std::min(static_cast<std::size_t>(position), blades - 1);

@@ -20,7 +20,7 @@ struct FilmPoint {
 inline std::optional<std::uint32_t> pixel_at(Film film, float x, float y) {
   const float column = std::floor(x + 0.5f * static_cast<float>(film.width));
   const float row = std::floor(0.5f * static_cast<float>(film.height) - y);
-  // Also false for what is not a number.
+  // Also false for NaN.
   if (!(column >= 0.0f && column < static_cast<float>(film.width) && row >= 0.0f &&
         row < static_cast<float>(film.height))) {
     return std::nullopt;

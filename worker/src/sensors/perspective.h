@@ -1,6 +1,6 @@
 // A flat film behind a pinhole or a thin lens. A pixel measures the mean radiance over its square
 // of the film, and over the lens: an ideal lens without vignetting, so that Y of a pixel is the
-// luminance in cd/m2 of what it sees.
+// luminance in cd/m2 of the surface that it sees.
 #pragma once
 
 #include <optional>
@@ -51,8 +51,8 @@ class Pinhole {
     return way_by(pose, film, place - pose.position, place - pose.position);
   }
 
-  /// The same through a point of a lens: `seen` is the way from there to the place, and `through`
-  /// has the direction from the lens's centre that the same point of the film sees.
+  /// The same through a point of a lens: `seen` is the vector from there to the place, and
+  /// `through` has the direction from the lens's centre that the same point of the film sees.
   std::optional<CameraConnection> way_by(const Pose& pose, Film film, Vec3 seen,
                                          Vec3 through) const {
     const float along = dot(through, pose.forward), depth = dot(seen, pose.forward);

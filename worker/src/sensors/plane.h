@@ -2,8 +2,8 @@
 // irradiance on it (Y in lx). It does not stop photons.
 //
 // The film stands off its plane a little (4 um for each metre of coordinate), so that a surface in
-// the same plane does not cover it, and photons that end on or start from that surface are told
-// apart by more than rounding.
+// the same plane does not cover it, and photons that end on or start from that surface are
+// distinguished by more than rounding.
 #pragma once
 
 #include <optional>

@@ -42,13 +42,13 @@ class Sensor {
     return sample_any(film, x, y, lens_u, lens_v, time);
   }
 
-  /// Whether forward photons are counted on their way, and where they leave the scene. Both are
+  /// Whether forward photons are counted in flight, and where they leave the scene. Both are
   /// false for sensors that only adjoint photons can start from.
   bool splats_segments() const { return std::holds_alternative<Plane>(model_); }
   bool receives_escapes() const { return std::holds_alternative<IntensityMeter>(model_); }
 
   /// A forward photon that flies `distance` metres (may be infinite) from `origin`; nothing if it
-  /// misses the film, comes from behind, or the model does not count photons on their way.
+  /// misses the film, comes from behind, or the model does not count photons in flight.
   std::optional<SplatWeight> splat_segment(Film film, Vec3 origin, Vec3 direction, float distance,
                                            float time) const {
     const Plane* plane = std::get_if<Plane>(&model_);

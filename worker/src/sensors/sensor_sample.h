@@ -37,7 +37,7 @@ struct SplatWeight {
 /// How a forward photon gets from a place to a camera: the sum over photons of flux x (BSDF x
 /// cosine) x weight is what the pixel measures.
 struct CameraConnection {
-  /// Unit length, and the way to there, m.
+  /// Unit length, and the distance to there, m.
   Vec3 direction;
   float distance;
   /// Row by row.

@@ -63,8 +63,8 @@ struct Parabola {
   double knot, offset, slope, bend;
 };
 
-// Of the slice [begin, begin + width) of the unit interval; nothing where the density goes another
-// way.
+// Of the slice [begin, begin + width) of the unit interval; nothing where the inverse density
+// is not nearly linear.
 std::optional<Parabola> parabola(const std::vector<ExactCell>& cells, double begin, double width) {
   constexpr int kLooks = 8;
   const auto exact = [&](double u) { return cells[cell_at(cells, u)].at(u).inverse_density; };

@@ -54,7 +54,7 @@ class Spectrum {
   float least() const { return *std::min_element(values_.begin(), values_.end()); }
   float most() const { return *std::max_element(values_.begin(), values_.end()); }
 
-  /// From `first` to `last`, nm, first < last; exact, however narrow what is in between.
+  /// From `first` to `last`, nm, first < last; exact, however narrow the interval in between.
   double mean_between(double first, double last) const {
     return (table_integral(first, last) + lines_.integral(first, last)) / (last - first);
   }

@@ -129,7 +129,7 @@ BinaryHierarchy::BinaryHierarchy(RTCDevice device, const Meshes& meshes,
     : meshes_(meshes), stop_(std::move(stop)), hierarchy_(rtcNewBVH(device)) {
   RTCBuildArguments to = rtcDefaultBuildArguments();
   to.maxBranchingFactor = 2;
-  // A future leaf is halved three times at most.
+  // A set of shapes that is to become a leaf is halved three times at most.
   to.maxDepth = Tree::kMaxDepth - 4;
   to.sahBlockSize = kWidth;
   to.maxLeafSize = kWidth;
@@ -138,7 +138,7 @@ BinaryHierarchy::BinaryHierarchy(RTCDevice device, const Meshes& meshes,
   to.primitiveCount = to.primitiveArrayCapacity = primitives.size();
   to.userPtr = this;
   to.createNode = [](RTCThreadLocalAllocator allocator, unsigned, void* self) -> void* {
-    // What Embree asks about its progress it does not listen to; it catches what is thrown.
+    // What Embree asks about its progress it does not listen to; it catches exceptions.
     if (static_cast<BinaryHierarchy*>(self)->stop_.stop_requested()) {
       throw std::runtime_error("stopped");
     }

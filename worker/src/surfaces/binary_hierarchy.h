@@ -17,7 +17,7 @@ namespace nocturne {
 
 /// A node, or a leaf.
 struct Binary {
-  /// In the place of a triangle's number: the shape is no mesh.
+  /// In the place of a triangle's number: marks of shapes that are not meshes.
   static constexpr std::uint32_t kBall = ~0u, kInstance = kBall - 1;
 
   Box box;

@@ -124,8 +124,8 @@ void instance_bounds(const RTCBoundsFunctionArguments* arguments) {
   *arguments->bounds_o = bounds_of(instances->all[arguments->primID], arguments->timeStep);
 }
 
-// The ray as the group sees it; empty where the group can't be seen. Distances along the ray stay
-// what they are, as the direction is carried along unnormalised.
+// The ray as the group sees it; empty where the group can't be seen. Distances along the ray do not
+// change, as the direction is carried along unnormalised.
 std::optional<RTCRay> ray_in_group(const PlacedInstance& instance, RTCRay ray,
                                    ExactContext* exact) {
   const Placement placement = instance.placement(ray.time);

@@ -15,7 +15,7 @@
 
 namespace nocturne {
 
-/// The surfaces close to a surface, as whoever knows the materials says it.
+/// The surfaces close to a surface, as the owner of the materials reports them.
 struct CloseSurface {
   /// How far from the surface something may be that a ray which starts off it would step over, m;
   /// 0: nothing is.
@@ -65,8 +65,8 @@ struct Crossed {
 /// parallel, and at no distance at all; or one of them bounds a body, and they are no further apart
 /// than the numbers tell that they are made of. Of all faces of one surface only the nearest
 /// touches another, and that one's nearest only: so the faces of a thin body stay apart. Of one
-/// surface only what is left and then entered again touches, as two boxes of one mesh may. `close`
-/// is by surface.
+/// surface only a part that is left and then entered again touches, as two boxes of one mesh may.
+/// `close` is by surface.
 bool touch(std::span<const Crossed> crossed, std::size_t a, std::size_t b,
            std::span<const CloseSurface> close);
 

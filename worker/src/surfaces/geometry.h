@@ -68,8 +68,8 @@ class Geometry {
   /// The nearest hit in front of the origin, at a time within the shutter, [0, 1]. Safe from any
   /// number of threads.
   std::optional<Hit> intersect(const Ray& ray, float time) const;
-  /// The same for a ray from where something was left; only the surface it left itself, and any
-  /// that touches that, is left out.
+  /// The same for a ray from where something was left; only the surface it left itself, and those
+  /// that touch that, are left out.
   std::optional<Hit> intersect(const Ray& ray, float time, const Departure& departure) const;
 
   /// The same for many: the result for a ray does not depend on the others.

@@ -11,7 +11,7 @@ struct TextureFile;
 
 /// Coordinates outside [0, 1].
 enum class TextureWrap { kRepeat, kClamp };
-/// What is looked up: the mean over a footprint, or the picture as it is.
+/// The value looked up: the mean over a footprint, or the picture as it is.
 enum class TextureFilter { kFootprint, kSharp };
 
 /// A handle, cheap to copy. A lookup is a pure function of its arguments.

@@ -9,7 +9,7 @@
 // A level is one strip of 64 columns after another, of all its rows from the top down. A strip has
 // a column more, the first one of the strip to the right, and a row more, the level's top row: so
 // the four texels of a lookup lie in one strip, also where the picture repeats. Strips of a level
-// that is narrower have its width and that one column; what is right of a level's end is zero.
+// that is narrower have its width and that one column; the texels right of a level's end are zero.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,5 @@
-// What blocks of pixels measure in each sample: their products tell the errors of regions, also
-// where neighbours share what they found.
+// The joint values of blocks of pixels in each sample: their products give the errors of regions,
+// also where neighbours share the paths that they found.
 #pragma once
 
 #include <cstddef>

@@ -24,11 +24,11 @@ Kept kept_of(std::size_t channel, const TileSums& sums) {
 
 std::uint32_t bits_of(double value, Kept kept) {
   const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(value));
-  // Halves go up, which is one way for all machines.
+  // Halves go up, which gives one result on all machines.
   return kept == kAll ? bits : (bits + 0x8000u) & 0xFFFF0000u;
 }
 
-/// f(numbers, how many lie between two of a kind, what is kept of them) for each kind.
+/// f(numbers, how many lie between two of a kind, the part of them that is kept) for each kind.
 template <class Sums, class F>
 void for_each_kind(Sums& sums, const F& f) {
   for (std::size_t c = 0; c < sums.channels; ++c) {

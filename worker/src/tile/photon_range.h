@@ -1,4 +1,4 @@
-// Forward photons of a film as units of work of their own, and what they add to its tiles.
+// Forward photons of a film as separate units of work, and their contribution to its tiles.
 #pragma once
 
 #include <cstdint>
@@ -19,8 +19,8 @@ struct PhotonRange {
   std::uint64_t photons() const { return (end - first) * kPhotonBundle; }
 };
 
-/// Rounds sums of a photon range to what is sent of them: sums of values to float32, sums of
-/// products, which tell errors alone, to its upper half.
+/// Rounds sums of a photon range to the precision that is sent: sums of values to float32, sums of
+/// products, which serve for errors alone, to its upper half.
 void round_photon_sums(TileSums& sums);
 
 /// Such sums as they are sent, compressed by zlib: a film's are large. One kind of number after the

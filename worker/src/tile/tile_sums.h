@@ -1,4 +1,4 @@
-// A unit of work, and what it yields: sums and counts, never averages.
+// A unit of work, and its result: sums and counts, never averages.
 #pragma once
 
 #include <array>
@@ -20,7 +20,7 @@ struct TileSums {
   static constexpr std::size_t kXyzValues = 3;
   /// A pixel's sums before those of further responses: X, Y, Z, YY, XX, ZZ, XY, XZ, YZ.
   static constexpr std::size_t kXyzSums = 9;
-  /// Products of what pixels together have: YY, XX, ZZ, XY, XZ, YZ.
+  /// Products of the joint sums of pixels: YY, XX, ZZ, XY, XZ, YZ.
   static constexpr std::size_t kProducts = 6;
   /// Edge of a block, pixels. Blocks begin at the tile's upper left corner.
   static constexpr std::uint32_t kBlock = 4;

@@ -36,7 +36,7 @@ void Heartbeat::run(std::stop_token stop) {
     try {
       beat();
     } catch (const std::exception& error) {
-      // The threads say on standard error what is wrong with Redis; the next tick tries again.
+      // The threads report errors of Redis on standard error; the next tick tries again.
       log_line(LogLevel::kDebug, "worker=" + options_.id + " heartbeat: " + error.what());
       queue_.disconnect();
     }

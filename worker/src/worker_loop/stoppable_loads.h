@@ -1,4 +1,4 @@
-// Loads a value per key, once for all threads that wait for it, on a thread of its own: who waits
+// Loads a value per key, once for all threads that wait for it, on a separate thread: who waits
 // can leave, and a load that takes too long, or that nobody waits for any more, is stopped.
 #pragma once
 

@@ -18,8 +18,8 @@ class WorkerThread {
   WorkerThread(const WorkerOptions& options, unsigned index, const TraceJob& trace,
                RunningJobs& jobs, Tally& tally);
 
-  /// Returns after the job at hand when a stop is requested. Never throws: what goes wrong with
-  /// Redis is tried again, what goes wrong with a job is reported as the job's failure.
+  /// Returns after the job at hand when a stop is requested. Never throws: an operation that fails
+  /// with Redis is tried again, an error of a job is reported as the job's failure.
   void run(std::stop_token stop);
 
  private:
