@@ -1,6 +1,6 @@
-"""The coordinator: tells the core what happens in the data folder and in Redis, and carries out what follows.
+"""The coordinator: passes events of the data folder and Redis to the core, and carries out its instructions.
 
-One thread, one loop. What is merged is committed about once a second, and only then are the results deleted
+One thread, one loop. Merged results are committed about once a second, and only then are the results deleted
 from Redis; so whatever is killed whenever, open work is what is planned and not committed. Several may share
 a folder: each render is leased to one of them, and every write checks the lease's fence. All decisions are
 those of `dispatch.core`."""
@@ -73,7 +73,7 @@ class Coordinator:
         self._next_mirror = 0.0
 
     def run(self, turned: Callable[[], None] = lambda: None) -> None:
-        """Works until the clock says stop; then commits what is merged. OwnershipLost: it is another's.
+        """Works until the clock says stop; then commits merged results. OwnershipLost: it is another's.
 
         `turned` is called in every turn of the loop, as a sign of life.
         """
@@ -105,7 +105,7 @@ class Coordinator:
         self._clock.wait(begun + self.core.shortest_round - self._clock.moment().now)
 
     def tell(self, event: Event) -> None:
-        """Gives an event to the core, and carries out what follows, to the end. QueueError if Redis fails in
+        """Gives an event to the core, and carries out all its instructions. QueueError if Redis fails in
         it."""
         steps = self.core.handle(event)
         if self._event_log is not None:

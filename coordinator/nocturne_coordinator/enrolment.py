@@ -18,7 +18,7 @@ SEPARATOR = "/"
 
 
 def machine_of(worker: str) -> str:
-    """Whose a worker is; a worker that did not enrol is a machine of its own."""
+    """Whose a worker is; a worker that did not enrol counts as a separate machine."""
     return worker.partition(SEPARATOR)[0]
 
 
@@ -51,7 +51,7 @@ def refusal_of(
     keys: Mapping[str, bytes],
     lease_key: bytes,
 ) -> str:
-    """Why a result does not count, by what is beside it on the stream; empty: it does.
+    """Why a result does not count, by the fields stored with it on the stream; empty: it does.
 
     `data`: the result as it came; `keys`: of the machines that are enrolled.
     """

@@ -16,11 +16,11 @@ NocturneError
 +-- LeaseLost       another coordinator has the render, or its sums were changed; nothing of it may be written
 +-- UnusableFolder  the folder was written by another version, or is damaged
 +-- CantRestore     there is nothing whole to restore from
-+-- UnusableQueue   Redis is set up in a way that loses messages
++-- UnusableQueue   Redis is set up so that it loses messages
 +-- FolderTrouble   the data folder could not be read or written just now; it is tried again
 +-- QueueError      Redis could not be reached, or refused; it is tried again
 +-- ObjectStoreUnavailable  the object store can't be reached, or refuses
-    +-- ObjectDamaged       what it gives is not what was put there
+    +-- ObjectDamaged       its data differ from those that were stored
 """
 
 from pathlib import Path
@@ -62,7 +62,7 @@ class OwnershipLost(NocturneError):
 
 
 class LeaseLost(NocturneError):
-    """Another coordinator has the render, or its sums were changed; what is in memory of it is of no use."""
+    """Another coordinator has the render, or its sums were changed; its state in memory is of no use."""
 
     def __init__(self, render_id: str) -> None:
         super().__init__(f"{render_id} is not this coordinator's any more")
@@ -83,15 +83,15 @@ class CantRestore(NocturneError):
 
 
 class UnusableQueue(NocturneError):
-    """Redis is set up in a way that loses messages."""
+    """Redis is set up so that it loses messages."""
 
 
 class FolderTrouble(NocturneError):
-    """The data folder could not be read or written just now; what was to be done is tried again."""
+    """The data folder could not be read or written just now; the operation is tried again."""
 
 
 class QueueError(NocturneError):
-    """Redis could not be reached, or refused; nothing is known of what it did."""
+    """Redis could not be reached, or refused; it is unknown which commands took effect."""
 
 
 class ObjectStoreUnavailable(NocturneError):
@@ -99,4 +99,4 @@ class ObjectStoreUnavailable(NocturneError):
 
 
 class ObjectDamaged(ObjectStoreUnavailable):
-    """What the object store gives is not what was put there."""
+    """The object store's data differ from those that were stored."""

@@ -1,13 +1,13 @@
-"""The event log: what the core was told and what it did, one JSON object a line, for
+"""The event log: events and instructions of the core, one JSON object a line, for
 `nocturne_coordinator.replay`.
 
     {"head": ...}      settings; the first line
-    {"event": ...}     what the core is told next
+    {"event": ...}     the next event given to the core
     {"did": ...}       an instruction that followed: its kind, and a digest of all of it
     {"answer": ...}    its answer, unless that is nothing; {"trouble": ...}: it failed
     {"full": true}     the bound was reached; nothing follows
 
-Values of classes are told apart by a key that begins with "~". Results are kept as they came, for sums
+Values of classes are distinguished by a key that begins with "~". Results are kept as they came, for sums
 decide when tiles stop: about 44 kB each. Nothing secret is in it: neither passwords nor tokens ever reach
 the core."""
 
@@ -44,7 +44,7 @@ TROUBLES = {each.__name__: each for each in (FolderTrouble, LeaseLost, QueueErro
 
 
 class EventLog:
-    """Writes a log. The one before it is kept beside it, under the same name with ".1"."""
+    """Writes a log. The one before it is kept in the same folder, under the same name with ".1"."""
 
     def __init__(
         self, path: Path, settings: state.Settings, quarantined: Mapping[str, str], max_bytes: int = MAX_BYTES
@@ -59,7 +59,7 @@ class EventLog:
 
     def close(self) -> None:
         if self._file is not None:
-            # What is still to be written may not fit on a full disk.
+            # Buffered lines may not fit on a full disk.
             with suppress(OSError):
                 self._file.close()
             self._file = None

@@ -68,7 +68,7 @@ class Executor:
         return None
 
     def _write(self, instruction: do.Instruction) -> Any:
-        """What needs the data folder, and fails with it."""
+        """Instructions that need the data folder, and fail with it."""
         ledger = self._ledger
         match instruction:
             case do.ReadRenders():
@@ -132,6 +132,6 @@ class Executor:
             _log.error("render=%s tile=%d has no bundle: %s", render.id, failed.tile_index, trouble)
 
     def show_ended(self) -> None:
-        """Final images of renders that were cancelled or failed, from what was committed. LeaseLost,
+        """Final images of renders that were cancelled or failed, from committed sums. LeaseLost,
         sqlite3.Error, OSError."""
         self._previews.finish_ended(self._clock.moment().unix)

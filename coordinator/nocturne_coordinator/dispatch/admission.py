@@ -41,7 +41,7 @@ from nocturne_coordinator.errors import FolderTrouble, LeaseLost
 from nocturne_coordinator.limits import photon_ranges_ahead
 
 _ODD_SECONDS = 10.0
-"""How long most workers must round otherwise than a render's before it is started anew: a worker's status
+"""How long most workers must round otherwise than a render's before it is started again: a worker's status
 holds as long, so all that are there have been seen."""
 
 
@@ -75,7 +75,7 @@ class Admission:
             for render in state.renders.values()
             if render.id not in rows or not rows[render.id].asks_the_same(render.row)
         ]
-        # What is merged of them is kept, unless they were cancelled.
+        # Their merged results are kept, unless they were cancelled.
         for render_id in changed:
             state.renders[render_id].commit_photons_next()
         if changed and not (yield from self._commits.commit(at)):
@@ -170,7 +170,7 @@ class Admission:
         if (yield EndRender(render, state, reason)):
             yield Log(INFO, f"render={render.id} {state.value} {reason}".rstrip())
         else:
-            # Somebody wants something else of it; the next look at the folder tells what.
+            # Somebody changed its requests; the next look at the folder shows which.
             yield LookAgain()
 
     def _pass_on(self, part: int, at: Moment) -> Steps[None]:

@@ -27,7 +27,7 @@ _ASKS = 6
 
 
 def digest_of(partial: job_pb2.Partial) -> bytes:
-    """What must be equal wherever a job is done: all but the processor time."""
+    """The part of a result that must be equal wherever a job is done: all but the processor time."""
     digest = hashlib.sha256(partial.sums)
     counts = (partial.photons, partial.rays, partial.invalid_samples, partial.truncated_paths)
     digest.update(" ".join(map(str, counts)).encode())

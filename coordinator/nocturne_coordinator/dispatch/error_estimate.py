@@ -20,7 +20,7 @@ class ErrorEstimate:
 
     relative_error: float = 0.0
     """Root mean square over pixels of Y's standard error relative to Y, sqrt(mean(var / (Y^2 + 0.01 M^2))), M
-    the image's mean Y: a lamp in the picture does not drown the error of what it lights, and black pixels do
+    the image's mean Y: a lamp in the picture does not drown the error of lit surfaces, and black pixels do
     not make it infinite."""
     mean: float = 0.0
     """Over pixels, of Y."""
@@ -44,7 +44,7 @@ class ErrorEstimate:
 
 
 class Squares(NamedTuple):
-    """What tells how errors of neighbours go together; see nocturne_scene.tile_sums."""
+    """Sums for the correlation of neighbours' errors; see nocturne_scene.tile_sums."""
 
     of_blocks: Sums
     """Products, shape (blocks down, blocks across, 6)."""

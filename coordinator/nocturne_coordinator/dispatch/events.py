@@ -1,4 +1,4 @@
-"""What the core is told, with the times at which it happened. Pure: values, nothing else."""
+"""Events that the core is given, with the times at which they happened. Pure: values, nothing else."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -18,7 +18,7 @@ class Moment(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Tick:
-    """Time has passed: what is due is committed, and renders whose end has come are ended."""
+    """Time has passed: results that are due are committed, and renders whose end has come are ended."""
 
     at: Moment
 
@@ -82,7 +82,7 @@ class RendersSeen:
     coordinators: int
     """That work on the folder."""
     drained: Mapping[str, str] = field(default_factory=dict)
-    """Workers that finish what they have and get nothing more, and why."""
+    """Workers that finish the jobs they hold and get no more, and why."""
 
 
 @dataclass(frozen=True, slots=True)

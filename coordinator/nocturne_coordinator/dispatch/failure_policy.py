@@ -40,7 +40,7 @@ class PoisonedJob:
 
 
 class FailurePolicy:
-    """What went wrong lately, by job and by worker."""
+    """Recent failures, by job and by worker."""
 
     def __init__(self) -> None:
         self._failures: dict[JobKey, _Failures] = {}

@@ -20,7 +20,7 @@ from nocturne_coordinator.limits import photon_ranges_ahead
 class MergedFilm:
     """Sums, and the merge state of every tile, which holds views into them.
 
-    Where forward photons have ranges of their own they are merged like those of a tile after the last, whose
+    Where forward photons have separate ranges they are merged like those of a tile after the last, whose
     samples are bundles, and what is shown of a tile are the sums of both. It has no samples to show until it
     has some of both kinds: a part of the light alone would look like an image.
     """
@@ -110,7 +110,7 @@ class MergedFilm:
 
     @property
     def traced_samples(self) -> int:
-        """Pixels times samples of all tiles, and forward photons of their own ranges."""
+        """Pixels times samples of all tiles, and forward photons of separate ranges."""
         return sum(pixels * self.samples(index) for index, pixels in enumerate(self._pixels))
 
     @property
@@ -121,7 +121,7 @@ class MergedFilm:
 
     @property
     def expected_samples(self) -> float:
-        """`traced_samples` when all tiles will be done, as far as can be told now."""
+        """`traced_samples` when all tiles will be done, as far as is known now."""
         return float(np.dot(self._expected, self._pixels))
 
     def horizon(self, tile_index: int) -> int:
@@ -180,7 +180,7 @@ class MergedFilm:
 
     @property
     def squares(self) -> Squares:
-        """What tells how errors of neighbours go together."""
+        """Sums for the correlation of neighbours' errors."""
         self._refresh()
         grid, whole = self._render.grid, self._shown.whole
         tiles = whole.tile_products.reshape(-1, grid.columns, PRODUCTS)
@@ -191,7 +191,7 @@ class MergedFilm:
 
     @property
     def bundles(self) -> int:
-        """Of forward photons in ranges of their own."""
+        """Merged bundles of forward photons in separate ranges."""
         return self.samples(self._render.photon_index) if self._forward else 0
 
     def _together(self, tile_index: int) -> TileSums | None:

@@ -19,7 +19,7 @@ class Fleet:
         self.quarantined: Mapping[str, str] = {}
         """Workers that are to take no jobs, and why."""
         self.drained: Mapping[str, str] = {}
-        """Workers that are to take no jobs, though what they finish counts, and why."""
+        """Workers that are to take no jobs, though the jobs they finish count, and why."""
         self.incompatible: Mapping[str, str] = {}
         """Workers that are to take no jobs though they are not in quarantine, and why."""
         self.threads = 0
@@ -56,7 +56,7 @@ class Fleet:
         for worker in workers:
             if self._takes_jobs(worker):
                 threads[machine_of(worker.id)] += worker.threads
-        # A machine may say what it likes of its workers.
+        # A machine may report any number for its workers.
         self.threads = sum(min(each, MAX_THREADS) for each in threads.values())
         return found
 

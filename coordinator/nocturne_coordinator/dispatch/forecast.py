@@ -15,7 +15,7 @@ _FIRST_PART = 0.1
 """The same for renders that may run for less than a hundred seconds, as a part of these."""
 
 _CLEARLY = 1.1
-"""A miss is told from so many times the time that there is, and taken back where that time is enough: rates
+"""A miss is reported from so many times the available time, and taken back where that time is enough: rates
 vary by some percent from one second to the next."""
 
 
@@ -42,7 +42,7 @@ class Forecast:
     end: float = 0.0
     """Unix time."""
     cpu_seconds: float = 0.0
-    """In all, what is spent included."""
+    """The total, with the cost so far included."""
     out_of_reach: str = ""
     """Why the error asked for will not be reached in time, a sentence; empty: it will, or who knows."""
 

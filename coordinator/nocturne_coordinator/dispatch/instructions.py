@@ -1,6 +1,6 @@
 """What the core tells its shell to do. Pure: values, nothing else.
 
-The shell carries an instruction out before the next event, and gives its answer back. What goes wrong is an
+The shell carries an instruction out before the next event, and gives its answer back. A failure is an
 answer, too: LeaseLost, FolderTrouble and QueueError are raised where the core waits for it (see `core.py`).
 """
 
@@ -53,7 +53,7 @@ class Withdraw:
 
 @dataclass(frozen=True, slots=True)
 class Acknowledge:
-    """Delete results, soon: what they brought is committed, or is of no use."""
+    """Delete results, soon: their sums are committed, or are of no use."""
 
     entries: tuple[bytes, ...]
 
@@ -83,7 +83,7 @@ class ReadRenders:
 
 @dataclass(frozen=True, slots=True)
 class IsOpen:
-    """Answer: whether a render is one that some coordinator works on, or will; true if that can't be told."""
+    """Answer: whether a render is one that some coordinator works on, or will; true if unknown."""
 
     render_id: str
 
@@ -117,7 +117,7 @@ class ReadTiles:
 
 @dataclass(frozen=True, slots=True)
 class Commit:
-    """Write what is merged, in one transaction. Answer: CommitDone."""
+    """Write merged results, in one transaction. Answer: CommitDone."""
 
     commits: tuple[RenderCommit, ...]
     fences: Mapping[str, int]
@@ -126,7 +126,7 @@ class Commit:
 
 @dataclass(frozen=True, slots=True)
 class EndRender:
-    """Write a final state. Answer: whether the render was still what it was."""
+    """Write a final state. Answer: whether the render had not changed meanwhile."""
 
     render: OpenRender
     state: RenderState
@@ -240,5 +240,5 @@ Instruction: TypeAlias = (
 T = TypeVar("T")
 
 Steps: TypeAlias = Generator[Instruction, Any, T]
-"""Instructions one after the other, each with its answer; what comes of them at the end. Between two events
+"""Instructions one after the other, each with its answer; the outcome at the end. Between two events
 none is ever left over, so all that the core knows is in its fields."""

@@ -1,7 +1,7 @@
 """What jobs cost in processor time: how long a range may be, and when a job is stopped. Pure.
 
-docs/decisions/0046: a scene must not hold a worker for long, and only a range that was traced tells what the
-next one will take.
+docs/decisions/0046: a scene must not hold a worker for long, and only a range that was traced shows how long
+the next one will take.
 """
 
 from nocturne_scene.ranges import FIRST_RANGE
@@ -13,7 +13,7 @@ _CUT_TO = 0.5
 """Part of that to which ranges are cut, so that a somewhat dearer tile does not call for another cut."""
 
 _STOPPED_AT = 10.0
-"""Times that, a job is stopped. Tiles are as unlike as a lamp and the sky beside it, machines less so."""
+"""Times that, a job is stopped. Tiles are as unlike as a lamp and the sky next to it, machines less so."""
 
 _STOPPED_AT_FIRST = 2.0
 """The same of the first range of a render of which nothing is known."""

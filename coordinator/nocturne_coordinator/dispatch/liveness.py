@@ -18,7 +18,7 @@ two."""
 
 @dataclass(frozen=True, slots=True)
 class Sign:
-    """What was last seen of a worker's process."""
+    """The last observed state of a worker's process."""
 
     started: float
     left_ms: int
@@ -55,7 +55,7 @@ class Liveness:
     def look(
         self, signs: Mapping[str, Sign], holders: list[Holder], keys: Mapping[bytes, JobKey]
     ) -> list[tuple[JobKey, str]]:
-        """What is seen now, about once a second; gives jobs and the workers that died with them.
+        """Takes observations, about once a second; gives jobs and the workers that died with them.
 
         `keys`: the jobs by their entries. An entry that was taken off the stream is remembered while somebody
         has it.

@@ -23,7 +23,7 @@ from nocturne_coordinator.dispatch.merge import Sums
 from nocturne_coordinator.limits import MAX_RAYS_PER_PHOTON
 
 _BEYOND_PHYSICS = 1e150
-"""No sum in cd/m2 comes near; squares of what is below are finite."""
+"""No sum in cd/m2 comes near; squares of smaller numbers are finite."""
 _PHOTON_SLACK = 0.01
 """Squares of photons lose up to 1/256 to rounding."""
 
@@ -69,7 +69,7 @@ class PlannedRender:
 
     @cached_property
     def tiles(self) -> int:
-        """Of the film, and one more for forward photons that have ranges of their own."""
+        """Of the film, and one more for forward photons that have separate ranges."""
         return entries_of(self.schedule)
 
     @property
@@ -113,7 +113,7 @@ class PlannedRender:
         """The range that the job is for; RefusedResult unless it is, in every field, a job of this render.
 
         But for the floating-point profile, of which the first jobs of a render have none (results tell their
-        own), and the bound on processor time, which follows what was learned of the render.
+        own), and the bound on processor time, which follows the render's measured costs.
         """
         if job.tile_index >= self.tiles:
             raise RefusedResult(f"tile {job.tile_index} of {self.tiles}")

@@ -16,7 +16,7 @@ from nocturne_coordinator.enrolment import machine_of
 _DIGEST = re.compile(r"[0-9a-f]{16}")
 
 REDONE_SECONDS = 60.0
-"""What was done by an odd machine may be done again, if it takes a thread of each other so long, in all."""
+"""Work of an odd machine may be done again, if it takes a thread of each other so long, in all."""
 
 _TO_DISCARD = 2
 """Machines that must round otherwise before anything is done again."""
@@ -61,10 +61,10 @@ def refusal_of(of_render: str, of_result: str, machines: Mapping[str, int]) -> s
 
 
 def should_start_anew(of_render: str, machines: Mapping[str, int], cpu_seconds: float) -> bool:
-    """Whether most machines can't help with a render, and would soon have done again what it has. What one
-    says discards nothing: it takes two.
+    """Whether most machines can't help with a render, and would soon have repeated its work. The word of
+    one discards nothing: it takes two.
 
-    `cpu_seconds`: all that it has cost, so that this does not go on for ever.
+    `cpu_seconds`: all that it has cost, so that this comes to an end.
     """
     most = max(machines.values(), default=0)
     others = most > machines.get(of_render, 0)

@@ -1,4 +1,4 @@
-"""What the core is told of renders and workers, and what it gives to be kept, as values. Pure.
+"""Values: renders and workers as the core is given them, and the records that it gives to be kept. Pure.
 
 The store reads and writes them; `store.rows` has those that the coordinator's decisions do not need.
 """
@@ -127,7 +127,7 @@ class FailedTile:
 
 @dataclass(slots=True)
 class Totals:
-    """What is counted of a render's merged ranges."""
+    """Counts over a render's merged ranges."""
 
     ranges: int = 0
     photons: int = 0
@@ -151,7 +151,7 @@ class TileRow:
     error_before: float = 0.0
     """See MergedFilm.error_before."""
     own: bytes = b""
-    """Where forward photons have ranges of their own, `sums` are those of both together, and these those of
+    """Where forward photons have separate ranges, `sums` are those of both together, and these those of
     the tile's own samples; empty: as they were committed before."""
     photons: bytes = b""
     """And these those of forward photons that fell on it, likewise."""
@@ -187,7 +187,7 @@ class RenderCommit:
     contributors: Mapping[int, Iterable[str]] = field(default_factory=dict)
     """By tile, the workers whose work is new in its sums."""
     photon_bundles: int = 0
-    """Forward photons in ranges of their own, which are among all photons, but no samples of pixels."""
+    """Forward photons in separate ranges, which are among all photons, but no samples of pixels."""
     failed_tiles: Iterable[FailedTile] = ()
     """All of the render's."""
     floating_point_profile: str = ""

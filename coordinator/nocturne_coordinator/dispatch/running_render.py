@@ -1,6 +1,6 @@
 """A render that the coordinator works on: its film, and what of it is not committed yet. No I/O.
 
-One file, though long: each result changes film, totals and what is to be committed together.
+One file, though long: each result changes film, totals and the next commit together.
 """
 
 from collections import deque
@@ -241,7 +241,7 @@ class RunningRender:
         return self.row.ran_seconds + max(0.0, now - self._since)
 
     def forecast(self, now: float, unix_time: float, rate: float) -> Forecast:
-        """When it will end, and what it will have cost."""
+        """When it will end, and its cost by then."""
         per_sample = self.planned.photons_per_sample
         measured = Measured(
             photons=self.totals.photons,
@@ -324,7 +324,7 @@ class RunningRender:
     # --- committing ---
 
     def changes(self, now: float, unix_time: float) -> RenderCommit | None:
-        """What is to be committed, if anything; call `committed` when that is done."""
+        """The next commit, if there is anything to commit; call `committed` when that is done."""
         rate = self._rate(now)
         with_photons = self._photons_are_due(now, unix_time)
         changed = self._dirty or self._dirty_totals or with_photons
@@ -373,7 +373,7 @@ class RunningRender:
         return bool(self._dirty) and not self._is_seen
 
     def committed(self) -> list[bytes]:
-        """Gives results that are of no more use, beside those that are settled when they are merged."""
+        """Gives results that are of no more use, apart from those that are settled when they are merged."""
         self._is_seen = self._is_seen or bool(self._dirty)
         self._dirty.clear()
         self._contributors = {}
@@ -417,7 +417,7 @@ class RunningRender:
 
     @property
     def doubt(self) -> str:
-        """Why the error is not to be trusted, a sentence; empty: it is, as far as can be told."""
+        """Why the error is not to be trusted, a sentence; empty: it is, as far as is known."""
         if found := self.image_doubt:
             return found
         known_twice = self._before.error and self._now.error
@@ -432,7 +432,7 @@ class RunningRender:
         return doubt_of(self.estimate)
 
     def _judge(self) -> None:
-        """Estimates the error of what is merged."""
+        """Estimates the error of the merged results."""
         if self._judged_photons == self.totals.photons:
             return
         self._judged_photons = self.totals.photons

@@ -27,7 +27,7 @@ _EXAMPLES = 'as in "07:00 Europe/Berlin", "07:00+01:00" or "2026-11-22T07:00:00Z
 
 @dataclass(frozen=True, slots=True)
 class StopConditions:
-    """What was asked for; a render ends at the first that is met. 0 or empty: not asked for."""
+    """Stop conditions; a render ends at the first that is met. 0 or empty: not asked for."""
 
     relative_error: float = 0.0
     """Of the image, as in Progress, where it is to be trusted: see trust."""
@@ -45,11 +45,11 @@ class StopConditions:
     """Samples of each tile, all of them ends of planned ranges: the manifest of an image."""
 
     def to_json(self) -> str:
-        """On one line, without what was not asked for."""
+        """All conditions on one line, without those that were not asked for."""
         return json.dumps(self.asked(), separators=(",", ":"))
 
     def asked(self) -> dict[str, Any]:
-        """What was asked for, by name."""
+        """The conditions that were asked for, by name."""
         return {name: value for name, value in asdict(self).items() if value}
 
     @classmethod
@@ -61,7 +61,7 @@ class StopConditions:
         return cls(**values)
 
     def request(self) -> dict[str, Any]:
-        """What tells one request from another: the time as it was given, not what it came to."""
+        """The identity of a request: the time as it was given, not the value computed from it."""
         asked = self.asked()
         if self.until_text:
             asked.pop("until", None)

@@ -65,7 +65,7 @@ def doubt_of(estimate: ErrorEstimate) -> str:
 
 @dataclass(frozen=True, slots=True)
 class RangeEnd:
-    """What was known when every pixel had so many samples."""
+    """Estimates from when every pixel had so many samples."""
 
     samples: int = 0
     error: float = 0.0

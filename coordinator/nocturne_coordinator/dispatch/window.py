@@ -1,4 +1,4 @@
-"""Which jobs are on the stream: keeps the window full, makes use of what is found there, takes back what is
+"""Which jobs are on the stream: keeps the window full, makes use of entries found there, takes back what is
 overdue. Pure."""
 
 from collections.abc import Collection

@@ -1,1 +1,1 @@
-"""What people look at: images, previews, statistics of how errors are spread."""
+"""Output for people: images, previews, statistics of how errors are spread."""

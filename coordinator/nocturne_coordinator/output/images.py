@@ -1,4 +1,4 @@
-"""From sums to what people look at and measure: means, errors, EXR, PNG.
+"""From sums to quantities that people look at and measure: means, errors, EXR, PNG.
 
 Files hold nothing but content (no date, no host, no program version), so that equal images are equal files.
 """
@@ -180,7 +180,7 @@ def write_image(
     layers: Layers = NO_LAYERS,
 ) -> None:
     """Writes an EXR, as worker/src/image/write_exr.h does: all quantities, their errors and how these go
-    together as float, n as uint; R, G, B for viewers; layers beside them."""
+    together as float, n as uint; R, G, B for viewers; layers in addition."""
     header = {
         "compression": OpenEXR.ZIP_COMPRESSION,
         "type": OpenEXR.scanlineimage,

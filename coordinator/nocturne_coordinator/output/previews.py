@@ -39,13 +39,13 @@ _log = logging.getLogger(__name__)
 
 
 class Previews:
-    """Writes what people look at; shows committed samples only, so no picture goes back.
+    """Writes images for people; shows committed samples only, so no picture goes back.
 
     All methods raise LeaseLost where another coordinator has the render.
     """
 
     def __init__(self, folder: DataFolder, ledger: Ledger, alive: SignOfLife | None = None) -> None:
-        """`alive` is told of work that takes long."""
+        """`alive` is notified of work that takes long."""
         self._alive = alive or SignOfLife()
         self._folder = folder
         self._ledger = ledger
@@ -55,7 +55,7 @@ class Previews:
         write_bundle(self._folder, render.planned, failed)
 
     def finish_ended(self, unix_time: float) -> None:
-        """Final images of renders that were cancelled or failed, from what was committed."""
+        """Final images of renders that were cancelled or failed, from committed sums."""
         for waiting in self._ledger.renders.ended_without_image():
             row = self._ledger.renders.take(waiting.id)
             if row is None:
@@ -96,7 +96,7 @@ class Previews:
     ) -> Iterator[Path]:
         """Where to write a picture that is put into its place only if the render is still ours.
 
-        `durable`: it survives a power cut, for the render's end is told after it.
+        `durable`: it survives a power cut, for the render's end is reported after it.
         """
         try:
             path = place_of(render.id)
@@ -159,7 +159,7 @@ def provenance_of(render: RunningRender) -> Provenance:
 
 
 def schedule_json(schedule: job_pb2.RangeSchedule) -> str:
-    """The schedule in proto3 JSON, one line, in one spelling for ever: it is part of canonical files."""
+    """The schedule in proto3 JSON, one line, in one fixed spelling: it is part of canonical files."""
     content: dict[str, int | list[int] | list[str]] = {
         "width": schedule.width,
         "height": schedule.height,

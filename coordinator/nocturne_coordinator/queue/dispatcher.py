@@ -49,7 +49,7 @@ class Dispatcher:
     def __init__(
         self, queue: JobQueue, session: Session, tell: Callable[[Event], None], clock: Clock
     ) -> None:
-        """`tell`: gives an event to the core and carries out what follows."""
+        """`tell`: gives an event to the core and carries out its instructions."""
         self._queue = queue
         self._session = session
         self._tell = tell
@@ -67,7 +67,7 @@ class Dispatcher:
         self._next_attend = 0.0
         self._next_workers = 0.0
         self.in_step = False
-        """Redis answers, and what is on the stream is known."""
+        """Redis answers, and the stream's entries are known."""
         self.results_waiting = 0
         self.longest_wait = 0.0
         """Seconds that a result was on the stream before it was read, at most, since this was set to 0."""
@@ -85,7 +85,7 @@ class Dispatcher:
         self._without_jobs = reasons
 
     def take_up(self, render_id: str) -> None:
-        """What others left on the streams of a render is to be made use of, before anything is published."""
+        """Entries left by others on a render's streams are to be used before anything is published."""
         self._newcomers.add(render_id)
 
     def machines_changed(self) -> None:
@@ -104,7 +104,7 @@ class Dispatcher:
             self._jobs_stopped.extend(jobs)
 
     def leave(self) -> None:
-        """Deletes what is to be deleted, and gives the lease on Redis back."""
+        """Deletes entries that are to be deleted, and gives the lease on Redis back."""
         try:
             self._delete()
             self._queue.give_up_session(self._session)
@@ -143,7 +143,7 @@ class Dispatcher:
         return entries
 
     def _take_up(self, at: Moment) -> None:
-        """Makes use of what is on the streams before anything is published a second time."""
+        """Makes use of entries on the streams before anything is published a second time."""
         self._find_jobs(at)
         left = self._queue.results_waiting()
         self._backlog = _Backlog(self._newcomers, left) if left else None
@@ -153,7 +153,7 @@ class Dispatcher:
         self._tell(JobsFound(at, tuple(self._queue.jobs())))
 
     def _read_backlog(self, backlog: _Backlog) -> list[ResultEntry]:
-        """Some more of it: the renders' own, and what nobody here has read."""
+        """Some more of it: the renders' own, and entries that nobody here has read."""
         batch = self._queue.results(backlog.at, 0)
         backlog.left -= len(batch)
         if backlog.left <= 0 or not batch:

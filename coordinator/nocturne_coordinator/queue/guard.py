@@ -38,7 +38,7 @@ class Guard:
         """Makes Redis users of all machines, as they are, and ends the connections of those that are not any
         more."""
         wanted = {redis_user(name): (name, key) for name, key in self.machines.items()}
-        # Where the machine was made anew meanwhile, nothing changes for those who are signed on.
+        # Where the machine was created again meanwhile, nothing changes for those who are signed on.
         pipeline = client.pipeline(transaction=False)
         for user, (name, key) in wanted.items():
             pipeline.execute_command("ACL", "SETUSER", user, *_rules(name, redis_password(key)))
@@ -50,7 +50,7 @@ class Guard:
 
 
 def _rules(machine: str, password: str) -> list[str]:
-    """What a machine may do: take jobs, add results, say how its own workers are, and be told to stop."""
+    """The rights of a machine: take jobs, add results, report its workers' state, receive stop requests."""
     nothing = ("resetkeys", "resetchannels", "-@all")
     parts = (
         f"~{keys.JOBS} resetchannels -@all +xreadgroup +xautoclaim +xclaim +xpending +xack +xdel",

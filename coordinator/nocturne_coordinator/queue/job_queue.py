@@ -1,6 +1,6 @@
 """Jobs out, results in: the only Redis user in Python. Redis carries messages; nothing in it is needed again.
 
-Every method may raise QueueError, after which nothing is known of what it did; `attend` and `jobs` tell.
+Every method may raise QueueError, after which its effect is unknown; `attend` and `jobs` show it.
 """
 
 import os
@@ -43,7 +43,7 @@ _RUN_SECONDS = 60.0
 """How long a run leaves its mark on Redis: longer than it ever takes from one renewal to the next."""
 
 _WITHDRAWN_SECONDS = 60.0
-"""How long workers are told of a job that nobody needs; they ask twice a second."""
+"""How long workers are notified of a job that nobody needs; they ask twice a second."""
 
 _RENEWALS = 5
 """Attempts, as other coordinators of the folder renew the same lease."""
@@ -153,7 +153,7 @@ class JobQueue:
 
     @_queue_errors
     def attend(self, session: Session) -> bool:
-        """Renews the lease and makes sure of the consumer group; False if Redis lost what was in it (see
+        """Renews the lease and makes sure of the consumer group; False if Redis lost its contents (see
         `jobs`).
 
         Raises QueueTaken while the coordinator of another data folder has the lease, OwnershipLost where a

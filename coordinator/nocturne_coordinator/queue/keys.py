@@ -17,7 +17,7 @@ the same folder and an earlier epoch: of runs before these."""
 
 RUN_PREFIX = PREFIX + "run:"
 """Strings `nocturne:run:<random>` with a time to live, one for each run of a coordinator. Missing: Redis lost
-what was in it."""
+its contents."""
 
 WORKER_PREFIX = PREFIX + "worker:"
 """Strings `nocturne:worker:<worker id>`, a serialised WorkerStatus, with a time to live of 10 s."""

@@ -56,7 +56,7 @@ class Archive:
         return changed == 1
 
     def file(self, render_id: str, name: str) -> Archived | None:
-        """What is in the object store of a render's file; None where it is not there."""
+        """The object store's entry for a render's file; None where there is none."""
         row = self._database.row("SELECT files FROM archive WHERE render_id = ?", (render_id,))
         files = {} if row is None else json.loads(row["files"])
         return Archived(**files[name]) if name in files else None

@@ -28,7 +28,7 @@ schedule.pb     of the whole image            failure.json  what was said
 
 
 def write_bundle(folder: DataFolder, render: PlannedRender, failed: FailedTile) -> Path:
-    """Writes it beside the render's images, whole or not at all; OSError where that can't be done."""
+    """Writes it next to the render's images, whole or not at all; OSError where that can't be done."""
     target = folder.bundle_path(render.id, failed.tile_index)
     target.parent.mkdir(parents=True, exist_ok=True)
     planned = render.ranges_of(failed.tile_index).find(failed.first_sample, failed.end_sample)

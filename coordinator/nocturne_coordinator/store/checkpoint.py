@@ -2,7 +2,7 @@
 
     DIR/<number>.db      the database at one moment: renders with schedules, sums and samples of all tiles,
     tokens
-    DIR/<number>.json    SHA-256 of it and what is in it; written last, so one that is there is complete
+    DIR/<number>.json    its SHA-256 and contents; written last, so one that is there is complete
     DIR/blobs/           scenes and assets by SHA-256, unless DIR lies in the data folder itself
 
 The last two are kept: should one be damaged, there is one before it. `restoring.py` reads them.
@@ -70,7 +70,7 @@ class Checkpoint:
 
 
 def checkpoints(place: Path) -> list[Checkpoint]:
-    """All that are complete, newest first; what can't be read is left out."""
+    """All that are complete, newest first; those that can't be read are left out."""
     found = []
     for manifest in place.glob("[0-9]*.json"):
         try:
@@ -81,7 +81,7 @@ def checkpoints(place: Path) -> list[Checkpoint]:
 
 
 class Checkpointer:
-    """Makes checkpoints of a data folder, beside its coordinator and without stopping it."""
+    """Makes checkpoints of a data folder while its coordinator runs, without stopping it."""
 
     def __init__(self, data: Path, place: Path, seconds: float = CHECKPOINT_SECONDS) -> None:
         """`place`: the folder for them, DATA/checkpoints or one on another disk."""
@@ -110,7 +110,7 @@ class Checkpointer:
             if state == self._seen:
                 return None
             self._place.mkdir(parents=True, exist_ok=True)
-            # Before the database: what it refers to is there.
+            # Before the database: the files it refers to are there.
             self._copy_blobs()
             made = self._copy(source)
         self._seen = state
@@ -128,7 +128,7 @@ class Checkpointer:
             with closing(sqlite3.connect(unfinished)) as target:
                 # All pages in one step: one moment of the database, whoever writes meanwhile.
                 source.backup(target, pages=-1)
-                # One file, without a log beside it.
+                # One file, without a separate log.
                 target.execute("PRAGMA journal_mode = DELETE")
                 renders = dict(_manifests(target))
             made = Checkpoint(number, time.time(), _sha256(unfinished), unfinished.stat().st_size, renders)

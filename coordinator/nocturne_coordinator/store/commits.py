@@ -31,7 +31,7 @@ class Commits:
         return changed == 1
 
     def commit(self, commits: list[RenderCommit]) -> list[str]:
-        """All of it in one transaction; a render that has ended meanwhile keeps what it has.
+        """All of it in one transaction; a render that has ended meanwhile keeps its state.
 
         Gives the renders that are another coordinator's now, of which nothing is written.
         """
@@ -209,7 +209,7 @@ class Commits:
         """Throws away all samples of a render that runs, and its floating-point profile. LeaseLost if it is
         another's.
 
-        What it has cost stays counted. Whoever has it in memory has lost it.
+        Its cost so far stays counted. Whoever has it in memory has lost it.
         """
         with self._leases.holding(render_id, fence):
             for table in ("tile", "contribution", "failed_tile", "error_point"):

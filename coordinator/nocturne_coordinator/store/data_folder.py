@@ -86,7 +86,7 @@ class DataFolder:
         return self._images(render_id) / "image.exr"
 
     def bundle_path(self, render_id: str, tile_index: int) -> Path:
-        """What is needed to see again why a tile failed; may not exist."""
+        """The files needed to reproduce a tile's failure; may not exist."""
         return self._images(render_id) / f"failed-tile-{tile_index}.zip"
 
     def _images(self, render_id: str) -> Path:

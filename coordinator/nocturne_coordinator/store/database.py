@@ -46,7 +46,7 @@ class Database:
         self._write_ahead()
         with self.transaction():
             migrate(self._connection, str(path))
-        # After an upgrade that makes tables anew: dropping the old one must not delete the rows that refer to
+        # After an upgrade that remakes tables: dropping the old one must not delete the rows that refer to
         # it.
         self._connection.execute("PRAGMA foreign_keys = ON")
 
@@ -59,7 +59,7 @@ class Database:
                 self._connection.execute("PRAGMA journal_mode = WAL")
                 return
             except sqlite3.OperationalError as trouble:
-                # The lower byte: the rest says in what it was busy.
+                # Only the lower byte: the rest says in which operation it was busy.
                 is_busy = trouble.sqlite_errorcode & 0xFF == sqlite3.SQLITE_BUSY
                 if not is_busy or time.monotonic() >= until:
                     raise

@@ -19,7 +19,7 @@ has no image that they could be in."""
 
 @dataclass(frozen=True, slots=True)
 class LayersDue:
-    """What is needed to make the layers of a render."""
+    """The inputs for making the layers of a render."""
 
     render_id: str
     owner: str

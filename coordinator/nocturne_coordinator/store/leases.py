@@ -33,7 +33,7 @@ class Leases:
     def owned(self, durable: bool = False) -> Iterator[None]:
         """A transaction in which the data folder is ours; OwnershipLost if it is not.
 
-        `durable`: somebody is told of what is written.
+        `durable`: the written state is reported to somebody.
         """
         with self._database.transaction(durable):
             self._ownership.check()
@@ -54,7 +54,7 @@ class Leases:
 
     def stay(self, until: float) -> None:
         """Keeps our leases beyond their usual length, in unix seconds, for work during which they can't be
-        renewed: else another coordinator would take the render, and lose it in the same way."""
+        renewed: else another coordinator would take the render, and lose it likewise."""
         with self.owned():
             self._database.execute(
                 "UPDATE coordinator SET until = max(until, ?) WHERE number = ?",

@@ -1,4 +1,4 @@
-"""The machines that work for the service, each enrolled by a token of its own."""
+"""The machines that work for the service, each enrolled by a separate token."""
 
 import re
 import secrets

@@ -2,7 +2,7 @@
 
 A change of the schema is a new file there, `0002_what_it_does.sql`; files that were released stay as they
 are. The number of the last one applied is SQLite's `user_version`. That is all a migration library would add
-here too: the known ones (Alembic, yoyo) bring an ORM, or a table of their own for what is one number.
+here too: the known ones (Alembic, yoyo) bring an ORM, or a separate table for one number.
 """
 
 import sqlite3
@@ -20,7 +20,7 @@ def newest_schema(folder: Path = MIGRATIONS) -> int:
 
 
 def migrate(connection: sqlite3.Connection, name: str, folder: Path = MIGRATIONS) -> None:
-    """Applies what is missing, to be called inside a transaction: all of it happens, or nothing.
+    """Applies missing migrations, to be called inside a transaction: all of it happens, or nothing.
 
     Raises UnusableFolder if a newer program has written the database, which the message calls `name`.
     """

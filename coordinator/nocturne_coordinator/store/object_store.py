@@ -1,6 +1,6 @@
-"""An object store beside the data folder: files by name, in S3 or what speaks it, or in a folder.
+"""An object store in addition to the data folder: files by name, in S3 or a compatible store, or in a folder.
 
-What goes in has a digest, and what comes out is checked against it: a store that errs is found out at once.
+Each stored file has a digest, and is checked against it when read: a store that errs is found out at once.
 Credentials are those that every S3 program takes: AWS_ACCESS_KEY_ID, AWS_SECRET_ACCESS_KEY, AWS_REGION,
 AWS_ENDPOINT_URL and so on, from the environment.
 """
@@ -36,7 +36,7 @@ class ObjectStore:
         self._store = _store_at(url)
 
     def put(self, name: str, file: Path) -> None:
-        """Stores a file under a name, in place of what was there. Raises ObjectStoreUnavailable."""
+        """Stores a file under a name, in place of an earlier one. Raises ObjectStoreUnavailable."""
         with _told(name):
             obstore.put(self._store, name, file)
             size = obstore.head(self._store, name)["size"]

@@ -67,7 +67,7 @@ class Ownership:
         database = self._database
         with database.transaction():
             if alone:
-                # Nobody else lives, so nobody else's lease counts.
+                # No other coordinator lives, so no other's lease counts.
                 database.execute("UPDATE ownership SET epoch = epoch + 1")
                 database.execute("DELETE FROM coordinator")
                 database.execute("DELETE FROM meter")

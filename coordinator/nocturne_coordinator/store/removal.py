@@ -1,7 +1,7 @@
 """Deleting renders: first its rows go, in one transaction; then the files that no other render uses.
 
-What is to go is noted in that transaction, so that a crash in between leaves nothing for ever: `sweep` may be
-called again, by any process, and does what is left to do.
+Files to remove are noted in that transaction, so that a crash in between leaves none behind: `sweep` may be
+called again, by any process, and removes the rest.
 """
 
 import re
@@ -64,7 +64,7 @@ def delete_render(folder: DataFolder, render_id: str) -> None:
 
 def sweep(folder: DataFolder) -> None:
     """Removes the files of deleted renders, here and in the object store. Raises OSError,
-    ObjectStoreUnavailable; what is left is done the next time."""
+    ObjectStoreUnavailable; the remaining files are removed the next time."""
     for render_id, files in folder.removals.open():
         _remove(folder.root / "images" / render_id)
         _forget_names(folder.root / "images")
@@ -93,7 +93,7 @@ def _remove(images: Path) -> None:
 
 
 def _forget_names(folder: Path) -> None:
-    """What is gone from the folder does not come back after a power cut, when nobody would look for it."""
+    """A file removed from the folder does not come back after a power cut, when nobody would look for it."""
     with suppress(FileNotFoundError):
         sync(folder)
 
@@ -114,7 +114,7 @@ def _unused(folder: DataFolder, files: list[str]) -> list[str]:
     for scene in scenes:
         compiled = folder.blobs.here(scene["scene_sha256"])
         if compiled is None:
-            # What it names is not known here.
+            # The files it names are not known here.
             return []
         # It names its files by the 32 bytes of their digests.
         data = compiled.read_bytes()

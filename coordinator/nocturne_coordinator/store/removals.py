@@ -7,7 +7,7 @@ from nocturne_coordinator.store.database import Database
 
 
 class Removals:
-    """What is still to be removed from a data folder. For many processes."""
+    """Files still to be removed from a data folder. For many processes."""
 
     def __init__(self, database: Database) -> None:
         self._database = database

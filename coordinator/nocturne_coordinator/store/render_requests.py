@@ -1,4 +1,4 @@
-"""What people ask of a render that there is: each is a change of its row, which coordinators see.
+"""Requests of people for an existing render: each is a change of its row, which coordinators see.
 
 Asking twice is asking once.
 """
@@ -45,7 +45,7 @@ class RenderRequests:
         return self._renders.get(render_id)
 
     def pause(self, render_id: str) -> RenderRow:
-        """No more work on a queued or running render until it is resumed; what is merged is kept.
+        """No more work on a queued or running render until it is resumed; merged results are kept.
 
         Pausing twice is pausing once. Raises NotFound, and WrongState for a render that has ended.
         """

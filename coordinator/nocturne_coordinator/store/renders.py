@@ -1,4 +1,4 @@
-"""Renders: making them, finding them, and what was asked for."""
+"""Renders: making them, finding them, and their requested settings."""
 
 import base64
 import hashlib
@@ -116,10 +116,10 @@ class Renders:
         return render_id
 
     def _bytes_of(self, new: NewRender) -> int:
-        """What the render takes of the disk when it is done: sums, image, scene and its files, and layers,
-        which are in a file of their own and in the image."""
+        """The disk space of the render when it is done: sums, image, scene and its files, and layers,
+        which are in a separate file and in the image."""
         further = len(new.schedule.further_responses)
-        # Forward photons in ranges of their own have sums, too, and both together.
+        # Forward photons in separate ranges have sums, too, and both together.
         sums = 8 * numbers_in(new.width, new.height, further) * (3 if new.schedule.photon_range_ends else 1)
         layers = 2 * layers_bytes(new.width, new.height, new.all_layers)
         image = 4 * new.width * new.height * (_EXR_CHANNELS + 2 * further)
@@ -261,7 +261,7 @@ class Renders:
         return int(row["open"] or 0) if row is not None else 0
 
     def totals(self) -> MergedTotals:
-        """What was merged of all renders, and what it cost."""
+        """Merged samples of all renders, and their cost."""
         row = self._database.row(
             "SELECT sum(photons / photons_per_sample) AS samples, sum(rays) AS rays, "
             "sum(cpu_seconds) AS cpu FROM render"

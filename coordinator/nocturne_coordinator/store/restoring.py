@@ -28,7 +28,7 @@ from nocturne_coordinator.store.migrate import newest_schema, schema_of
 
 @dataclass(slots=True)
 class Restored:
-    """What was found and done."""
+    """Findings and actions of a restoration."""
 
     database: Path | None = None
     """The checkpoint's that was taken; None: the folder's own is whole."""
@@ -36,7 +36,7 @@ class Restored:
     """What is wrong with the folder's own."""
     renders: int = 0
     open_ranges: int = 0
-    """Planned and not committed, of renders that go on: what is traced when the service starts."""
+    """Planned and not committed, of renders that go on: the work traced when the service starts."""
     missing: list[str] = field(default_factory=list)
     """Renders that can't go on, with the scene that is nowhere."""
 
@@ -70,7 +70,7 @@ def restore(data: Path, source: Path | None = None) -> Restored:
 
 
 def damage_of(database: Path) -> list[str]:
-    """What is wrong with a database, in words; empty if nothing is."""
+    """Faults of a database, in words; empty if there are none."""
     try:
         with closing(sqlite3.connect(database)) as connection:
             connection.row_factory = sqlite3.Row
@@ -138,7 +138,7 @@ def _fail_tile(database: Path) -> None:
 
 def _make_anew(database: Path) -> None:
     """The folder is another one from here on: jobs and results that the old one's workers still have in some
-    Redis are told apart by its lease. Images show what is committed, so they are written again."""
+    Redis are distinguished by its lease. Images show committed sums, so they are written again."""
     with closing(sqlite3.connect(database)) as connection:
         connection.execute("UPDATE ownership SET folder = ?", (secrets.token_hex(8),))
         connection.execute("UPDATE render SET image_final = 0")

@@ -1,4 +1,4 @@
-"""What is read from and written to the data folder, as values."""
+"""Values that are read from and written to the data folder."""
 
 from dataclasses import dataclass
 
@@ -44,7 +44,7 @@ class NewRender:
     """Layers that it has without being asked for them, which are no part of the request."""
     in_group: str = ""
     after_group: str = ""
-    """What it was submitted with, and what has to end before it begins; see store/groups.py."""
+    """The group it was submitted with, and the one that has to end before it begins; see store/groups.py."""
     tags: tuple[str, ...] = ()
     """Words to sort renders by; see store/tags.py."""
     files: tuple[str, ...] = ()
@@ -100,7 +100,7 @@ class RenderRow:
     """See NewRender."""
     truncated_paths: int
     photon_bundles: int
-    """Forward photons in ranges of their own: among all photons, but no samples of pixels."""
+    """Forward photons in separate ranges: among all photons, but no samples of pixels."""
     relative_error: float
     worst_share: float
     effective_sample_size_of_pixels: float
@@ -174,7 +174,7 @@ class RatePoint:
 
 @dataclass(frozen=True, slots=True)
 class MergedTotals:
-    """What was merged of all renders, and the workers' processor time for it in seconds."""
+    """Merged samples of all renders, and the workers' processor time for it in seconds."""
 
     samples: int
     rays: int

@@ -50,8 +50,8 @@ class Tiles:
         return [_with_sums(row) for row in rows]
 
     def manifest(self, render_id: str) -> tuple[int, ...]:
-        """Committed samples of each tile, row by row, and bundles of forward photons where they have ranges
-        of their own; raises NotFound."""
+        """Committed samples of each tile, row by row, and bundles of forward photons where they have
+        separate ranges; raises NotFound."""
         render = self._database.row("SELECT schedule FROM render WHERE id = ?", (render_id,))
         if render is None:
             raise NotFound(f"there is no render {render_id!r}")

@@ -17,12 +17,12 @@ SCOPES = ("read", "submit", "worker", "admin")
 assets. admin: all. A token may have several."""
 
 PREFIX = "nct_"
-"""So that a token that got somewhere by mistake is known for what it is."""
+"""So that a token that got somewhere by mistake is recognized as a token."""
 
 
 @dataclass(frozen=True, slots=True)
 class Token:
-    """What is known of a token; its secret is not."""
+    """The stored facts about a token, without its secret."""
 
     name: str
     scopes: tuple[str, ...]

@@ -19,7 +19,7 @@ _AT_ONCE = 100
 def sweep_unused(folder: DataFolder, seconds: float) -> list[str]:
     """Removes files that are older than `seconds` and that no render uses; gives their digests.
 
-    Where a render's scene is not on this machine nobody knows what it uses, and nothing is removed. Raises
+    Where a render's scene is not on this machine its assets are unknown, and nothing is removed. Raises
     OSError, ObjectStoreUnavailable.
     """
     before = time.time() - seconds

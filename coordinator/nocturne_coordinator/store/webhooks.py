@@ -1,7 +1,7 @@
-"""Who is told how renders end, and what is still to be told; also that one will miss its error.
+"""Addresses notified of how renders end and that one will miss its error, and the messages still to be sent.
 
 A trigger notes the message in the transaction that ends the render, whoever wrote that, so none is lost and
-none is told of an end that did not happen.
+none reports an end that did not happen.
 """
 
 import base64
@@ -23,7 +23,7 @@ _SECRET_BYTES = 32
 
 @dataclass(frozen=True, slots=True)
 class Webhook:
-    """An address that is told how its owner's renders end."""
+    """An address that is notified of how its owner's renders end."""
 
     id: str
     owner: str
@@ -35,7 +35,7 @@ class Webhook:
 
 @dataclass(frozen=True, slots=True)
 class WebhookMessage:
-    """One end, or a miss to come, to be told to one address."""
+    """One end, or a miss to come, to be reported to one address."""
 
     number: int
     webhook_id: str
@@ -93,7 +93,7 @@ class Webhooks:
         return str(row["owner"])
 
     def delete(self, webhook_id: str) -> None:
-        """With all that was still to be told. Deleting again changes nothing."""
+        """Deletes it with all messages still to be sent. Deleting again changes nothing."""
         self._database.execute("DELETE FROM webhook WHERE id = ?", (webhook_id,))
 
     def take_due(self, now: float, lease_seconds: float, most: int) -> Sequence[WebhookMessage]:
@@ -115,7 +115,7 @@ class Webhooks:
         return [WebhookMessage(**dict(row)) for row in rows]
 
     def settle(self, message: WebhookMessage, outcome: str, due: float | None) -> None:
-        """Notes how an attempt went, and when there is to be another; None: never. Drops what is old."""
+        """Notes how an attempt went, and when there is to be another; None: never. Drops old messages."""
         with self._database.transaction():
             self._database.execute(
                 "UPDATE webhook_message SET attempts = attempts + 1, due = ? WHERE number = ?",

@@ -27,7 +27,7 @@ class WorkerRecords:
         return {row["worker_id"]: row["reason"] for row in rows}
 
     def drained(self) -> dict[str, str]:
-        """Workers that finish what they have and get nothing more, and why."""
+        """Workers that finish the jobs they hold and get no more, and why."""
         rows = self._database.rows("SELECT worker_id, who FROM drain")
         by = {row["worker_id"]: f", by {row['who']}" if row["who"] else "" for row in rows}
         return {worker: f"It is drained{who}." for worker, who in by.items()}

@@ -13,7 +13,7 @@ from nocturne_coordinator.store.events import note_worker
 from nocturne_coordinator.store.rows import RatePoint, WorkerEvent
 
 _LAST_JOBS_SECONDS = 10.0
-"""Until it is told, a worker that is drained may take another job, which is listed as its own some seconds
+"""Until notified, a worker that is drained may take another job, which is listed as its own some seconds
 later. A worker's status holds as long."""
 
 _COLUMNS = ", ".join(field.name for field in fields(WorkerRow))
@@ -47,7 +47,7 @@ class Workers:
         return {row["worker_id"]: row["reason"] for row in rows}
 
     def drain(self, worker_id: str, who: str) -> None:
-        """Gives a worker no more jobs; what it has in hand counts. Again changes nothing.
+        """Gives a worker no more jobs; the job it holds counts. Again changes nothing.
 
         Raises NotFound for a worker that was not heard of lately.
         """

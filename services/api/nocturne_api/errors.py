@@ -70,7 +70,7 @@ class Kind:
 
 @dataclass(frozen=True)
 class Failure:
-    """One error, ready to be told by either transport."""
+    """One error, ready to be reported by either transport."""
 
     kind: Kind
     detail: str

@@ -78,7 +78,7 @@ WATCHERS = 256
 # Of those, one owner's, with authentication.
 WATCHERS_OF_OWNER = 64
 # How often a change in the data folder is looked for while anybody watches, seconds: part of the wait for a
-# render's first tile. And the pause after a look in times of what it took, for it tells all watchers.
+# render's first tile. And the pause after a look in times of its duration, for it notifies all watchers.
 WATCH_INTERVAL_S = 0.05
 WATCH_REST = 4.0
 
@@ -88,7 +88,7 @@ CHUNK_BYTES = 256 * 1024
 TILES_ANSWER_BYTES = 4 * MEBIBYTE
 # Answers kept for other watchers of the same render.
 TILE_ANSWERS_KEPT = 8
-# Renders that one stream names: one that is looked at, and what it is compared with.
+# Renders that one stream names: one that is looked at, and those it is compared with.
 RENDERS_PER_STREAM = 4
 
 # Places at which learned light is looked up at once, each with the scene in memory, and seconds until one is

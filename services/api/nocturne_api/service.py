@@ -129,7 +129,7 @@ class Service:
         await self._operations.streams.close()
 
     async def stop(self) -> None:
-        """Ends streams, finishes what is running, closes both endpoints and the data folder."""
+        """Ends streams, finishes running calls, closes both endpoints and the data folder."""
         await self.end_streams()
         self._http.should_exit = True
         await self._grpc.stop(_GRACE_S)

@@ -1,4 +1,4 @@
-"""Changes of a scene document before it is submitted: `sensor.position[0]` and what goes there."""
+"""Changes of a scene document before it is submitted: `sensor.position[0]` and its new value."""
 
 import copy
 import json
@@ -62,7 +62,7 @@ def _steps(place: str) -> Sequence[str | int]:
 
 
 def _inside(at: Any, step: str | int, place: str) -> Any:
-    """What is there; an object that is not there yet is made, as the default of most parts."""
+    """The value there; an object that is not there yet is made, as the default of most parts."""
     if isinstance(step, str) and isinstance(at, dict):
         return at.setdefault(step, {})
     if isinstance(step, int) and isinstance(at, list) and step < len(at):

@@ -147,7 +147,7 @@ class Client:
         """
         if isinstance(scene, Path):
             on_disk = self._uploaded(scene, progress)
-            # Members of a folder are told by their files already.
+            # Members of a folder are named by their files already.
             file = "" if member.startswith(scene.stem) else scene.stem
         else:
             on_disk, file = SceneOnDisk(dict(scene), {}), ""
@@ -433,7 +433,7 @@ class Client:
     # Inside
 
     def _act(self, render_id: str, verb: str, body: dict[str, Any]) -> Render:
-        # Each of these is safe to repeat: it says what is to be, not what is to change.
+        # Each of these is safe to repeat: it states the wanted state, not a change.
         return decode(Render, self._transport.post(f"/v1/renders/{_part(render_id)}:{verb}", body))
 
     def _missing(self, digests: Sequence[str]) -> Sequence[str]:

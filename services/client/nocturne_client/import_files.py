@@ -21,7 +21,7 @@ _TEXTS = (".xml", ".pbrt", ".pbrt.gz", ".gltf")
 _QUOTED = [
     re.compile(b"(?<=[%s])[^%s\\r\\n]{1,1024}(?=[%s])" % (3 * (quote,))) for quote in (b'"', b"'", b"\"'")
 ]
-"""What stands between two quotes, and between a closing one and the next: an apostrophe in a comment hides
+"""The text between two quotes, and between a closing one and the next: an apostrophe in a comment hides
 nothing."""
 # The service takes no more.
 _MAX_FILES = 10_000
@@ -32,11 +32,11 @@ _MAX_LOOKED_AT = 200_000
 
 
 def files_of_import(scene: Path) -> dict[str, tuple[str, Path]]:
-    """What is uploaded for an import: SHA-256 and file by the path below the scene's folder.
+    """The files to upload for an import: SHA-256 and file by the path below the scene's folder.
 
     A .glb or .zip file alone; with others the files of their folder and of those below whose names stand in
     quotes in the scene, or in a file of scenes that is named there, and links to files of the folder. Nothing
-    else leaves the machine. Raises NocturneClientError for what can't be read, and for too many.
+    else leaves the machine. Raises NocturneClientError for unreadable files, and for too many.
     """
     try:
         if scene.name.lower().endswith(_ALONE):
@@ -69,7 +69,7 @@ def _by_name(folder: Path) -> dict[str, list[Path]]:
 
 
 def _below(folder: Path, root: Path, above: tuple[Path, ...]) -> Iterator[Path]:
-    """What is in a folder and in those below; links only where they lead to something else below `root`.
+    """The contents of a folder and of those below; links only where they lead to something else below `root`.
 
     `above`: the folders around it, without links.
     """
@@ -77,7 +77,7 @@ def _below(folder: Path, root: Path, above: tuple[Path, ...]) -> Iterator[Path]:
     try:
         entries = list(folder.iterdir())
     except PermissionError:
-        # What can't be read is no part of the scene, unless it is named.
+        # An unreadable file is no part of the scene, unless it is named.
         return
     for entry in entries:
         if entry.is_symlink() and not entry.resolve().is_relative_to(root):

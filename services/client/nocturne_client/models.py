@@ -1,4 +1,4 @@
-"""The service's answers as values: those of the contract, with what follows from them."""
+"""The service's answers as values: those of the contract, with values derived from them."""
 
 import time
 

@@ -1,4 +1,4 @@
-"""Files that commands write: whole or not at all; devices and links stay what they are."""
+"""Files that commands write: whole or not at all; devices and links stay as they are."""
 
 import os
 import stat
@@ -33,7 +33,7 @@ def check_output(path: Path) -> None:
 def written(path: Path) -> Iterator[IO[bytes]]:
     """A file to write to, which is seen at `path` at the end of `with`, and gone after an error.
 
-    What is behind a link is replaced, and the link stays. A device or a pipe is written to. Raises OSError.
+    The file behind a link is replaced, and the link stays. A device or a pipe is written to. Raises OSError.
     """
     if _is_special(path):
         with path.open("wb") as file:
@@ -53,7 +53,7 @@ def written(path: Path) -> Iterator[IO[bytes]]:
 
 
 def is_standard_output(path: Path) -> bool:
-    """Whether what is written there goes where this program's lines go."""
+    """Whether text written there goes where this program's lines go."""
     try:
         return os.path.samestat(path.stat(), os.fstat(1))
     except OSError:

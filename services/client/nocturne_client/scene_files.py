@@ -92,7 +92,7 @@ def _read_document(path: Path) -> dict[str, Any]:
 
 
 def _maker(folder: Path) -> str:
-    """How to make the files of a scene that is generated: by the programs `make_*.py` beside it."""
+    """How to make the files of a scene that is generated: by the programs `make_*.py` in its folder."""
     programs = " and ".join(f"`python {program}`" for program in sorted(folder.glob("make_*.py")))
     return f"; make what is missing by {programs}" if programs else ""
 

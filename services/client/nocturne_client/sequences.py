@@ -32,7 +32,7 @@ class Member:
 
 
 class _Variant(NamedTuple):
-    """One value of a place that is varied, and what it is called."""
+    """One value of a place that is varied, and its name."""
 
     place: str
     value: Any
@@ -86,7 +86,7 @@ def _numbers(frames: str) -> list[int]:
 
 
 def _values(text: str) -> list[_Variant]:
-    """`place=1,2` or `place=[0,0],[1,1]`; what is no JSON is words between commas."""
+    """`place=1,2` or `place=[0,0],[1,1]`; text that is no JSON is words between commas."""
     place, _, values = text.partition("=")
     try:
         found = [(parse_change(text)[0], value) for value in json.loads(f"[{values}]")]

@@ -1,4 +1,4 @@
-"""HTTP to one service: its address, token and certificates, what is tried again, and errors in one form."""
+"""HTTP to one service: its address, token and certificates, requests tried again, and errors in one form."""
 
 import json
 import os
@@ -71,7 +71,7 @@ class Transport:
         return self.send(method, path, content=content, headers=headers, **arguments).json()
 
     def get(self, path: str, params: dict[str, Any] | None = None) -> Any:
-        """What is there, in JSON."""
+        """The resource there, in JSON."""
         return self.retrying(partial(self.send, "GET", path, params=params)).json()
 
     def post(self, path: str, body: Any) -> Any:

@@ -57,7 +57,7 @@ class LayersMaker(Background):
         self._wanted.set()
 
     async def close(self) -> None:
-        """What is being made is left to the next process."""
+        """Layers that are being made are left to the next process."""
         self._closing.set()
         await super().close()
 
@@ -66,14 +66,14 @@ class LayersMaker(Background):
             while True:
                 await self._begin(group)
                 self._wanted.clear()
-                # Not by `wait_for`, which may forget that it was cancelled if what it waits for comes then.
+                # Not by `wait_for`, which may forget that it was cancelled if the awaited result comes then.
                 with suppress(TimeoutError):
                     async with asyncio.timeout(_LOOK_S):
                         await self._wanted.wait()
 
     async def _begin(self, group: asyncio.TaskGroup) -> None:
         """The oldest of each owner that has none in hand, as far as there is room; in turn, so that whoever
-        has many keeps nobody else's waiting."""
+        has many keeps no other owner's waiting."""
         try:
             due = await self._in_database(self._folder.layers.due)
         except Exception:

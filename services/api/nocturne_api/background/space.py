@@ -27,7 +27,7 @@ class StorageLimits:
 
 
 class Space(Background):
-    """One for each API process. What is being stored, or was since the last look, counts as there."""
+    """One for each API process. Files being stored, or stored since the last look, count as there."""
 
     def __init__(self, root: Path, most_bytes: float) -> None:
         """`most_bytes`: size at which nothing more is admitted; 0: none."""

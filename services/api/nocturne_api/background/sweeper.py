@@ -1,4 +1,4 @@
-"""Removes the files of deleted renders, what can't be removed now a little later, and files that no render
+"""Removes the files of deleted renders, if need be a little later, and files that no render
 uses."""
 
 import asyncio

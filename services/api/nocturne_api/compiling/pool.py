@@ -120,7 +120,7 @@ def prepare() -> None:
 
 
 class _Server:
-    """The process that makes the children, and the folder, nobody else's, that its socket is in."""
+    """The process that makes the children, and the private folder that its socket is in."""
 
     def __init__(self) -> None:
         self._folder = socket_folder()
@@ -160,7 +160,7 @@ def _server_address() -> str:
 
 
 def stop() -> None:
-    """Ends what makes the children; the next scene starts it anew, with the environment of then."""
+    """Ends the children's parent process; the next scene starts it again, with the environment of then."""
     with _lock:
         while _servers:
             _servers.pop().close()

@@ -89,7 +89,7 @@ def _compile(caller: "Connection[object, object]") -> None:
 
 
 def bound(limits: CompileLimits) -> None:
-    """What is beyond ends the process, or is a MemoryError."""
+    """More than that ends the process, or is a MemoryError."""
     resource.setrlimit(resource.RLIMIT_AS, (limits.memory_bytes, limits.memory_bytes))
     resource.setrlimit(resource.RLIMIT_CPU, (limits.cpu_seconds, limits.cpu_seconds))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))

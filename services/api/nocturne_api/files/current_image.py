@@ -1,4 +1,4 @@
-"""The EXR of what is committed of a render that has not ended: the coordinator writes one at the end only."""
+"""The EXR of the committed sums of a render not yet ended: the coordinator writes one at the end only."""
 
 from pathlib import Path
 

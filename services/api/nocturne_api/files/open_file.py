@@ -1,4 +1,4 @@
-"""A file opened once and then sent: what is sent belongs together even when it is replaced meanwhile."""
+"""A file opened once and then sent: the sent bytes belong together even when it is replaced meanwhile."""
 
 import asyncio
 import os

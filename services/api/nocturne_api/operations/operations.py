@@ -1,4 +1,4 @@
-"""All operations on one data folder, by resource, and what runs beside them."""
+"""All operations on one data folder, by resource, and the background work."""
 
 from pathlib import Path
 from typing import Self

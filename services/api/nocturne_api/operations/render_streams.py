@@ -66,7 +66,7 @@ class RenderStreams:
 
 
 class _Folder:
-    """The data folder as watchers see it; who may see what was decided when a stream began."""
+    """The data folder as watchers see it; who may see which renders was decided when a stream began."""
 
     def __init__(self, access: FolderAccess, renders: Renders) -> None:
         self._access = access

@@ -1,4 +1,4 @@
-"""Checks what callers send, so that all problems are told at once, and compiles scenes. Synchronous."""
+"""Checks what callers send, so that all problems are reported at once, and compiles scenes. Synchronous."""
 
 import json
 import re
@@ -95,7 +95,7 @@ def compiled(
 
 @dataclass(frozen=True)
 class _Scene:
-    """A compiled scene in the folder's blobs, and what came of compiling it."""
+    """A compiled scene in the folder's blobs, and the results of compiling it."""
 
     sha256: str
     schedule: job_pb2.RangeSchedule

@@ -1,6 +1,6 @@
 """Watchers of changes: one poller per process, any number of watchers, each holding newest states only.
 
-A watcher that reads slowly skips states, never queues them: what it waits on is a slot per render that every
+A watcher that reads slowly skips states, never queues them: it waits on a slot per render that every
 change overwrites. The poller runs only while somebody watches.
 """
 
@@ -162,7 +162,7 @@ class Watchers:
             watcher.shut(Unauthenticated("the token was revoked"))
 
     async def _tell(self) -> None:
-        """Reads states, then looks who was revoked, and only then tells: nobody hears of what came after."""
+        """Reads states, then looks who was revoked, and only then notifies: nobody hears of later states."""
         render_ids = frozenset().union(*(each.render_ids or () for each in self._watchers))
         renders = {render_id: await self._source.get(render_id) for render_id in render_ids}
         owners = {each.caller.sees for each in self._watchers if each.render_ids is None}

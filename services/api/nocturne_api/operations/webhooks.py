@@ -1,4 +1,4 @@
-"""Webhooks: who is told how renders end."""
+"""Webhooks: addresses that are notified of how renders end."""
 
 from dataclasses import asdict
 

@@ -52,7 +52,7 @@ class WebhookSender(Background):
         self._opened: httpx.AsyncClient | None = None
 
     async def close(self) -> None:
-        """What is being sent is cut off, and sent again later, perhaps by another process."""
+        """Messages being sent are cut off, and sent again later, perhaps by another process."""
         await super().close()
         if self._opened is not None:
             await self._opened.aclose()

@@ -44,14 +44,14 @@ async def look_up(host: str, port: int) -> Sequence[str]:
 
 
 class TargetRules:
-    """What is allowed: https to public addresses; both schemes to `networks`, for receivers at home."""
+    """Allowed addresses: https to public addresses; both schemes to `networks`, for receivers at home."""
 
     def __init__(self, networks: Sequence[Network] = (), resolve: Resolve = look_up) -> None:
         self._networks = networks
         self._resolve = resolve
 
     def parse(self, url: str) -> Target:
-        """Raises InputError for what can't be an address. Says nothing of where it leads."""
+        """Raises InputError for text that can't be an address. Says nothing of where it leads."""
         if len(url) > _MAX_CHARACTERS or not url.isascii() or not url.isprintable() or " " in url:
             raise InputError.at(_PLACE, f"expected at most {_MAX_CHARACTERS} printable ASCII characters")
         try:

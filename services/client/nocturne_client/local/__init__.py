@@ -1,1 +1,1 @@
-"""What the command line does on this machine: run a service, compile, render, look for what is missing."""
+"""Commands that work on this machine: run a service, compile, render, look for missing parts."""

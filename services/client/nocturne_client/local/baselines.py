@@ -1,4 +1,4 @@
-"""`nocturne baseline`: a render beside one of the same scene by another version of the tracing engine."""
+"""`nocturne baseline`: compares a render with one of the scene by another version of the tracing engine."""
 
 import tempfile
 from pathlib import Path
@@ -12,7 +12,7 @@ from nocturne_client.models import Render
 def compared_with_baseline(
     url: str | None, render_id: str, engine: int, difference: Path | None
 ) -> tuple[str, Compared]:
-    """What was compared in words, and how far both are apart. `engine`: 0 for the newest other one.
+    """The compared renders in words, and how far both are apart. `engine`: 0 for the newest other one.
 
     Raises NocturneClientError.
     """

@@ -36,7 +36,7 @@ class Child:
         silent_s: float = _SILENT_S,
         loads_s: float = _LOADS_S,
     ) -> None:
-        """`answers`: whether it does what it is for; not for `silent_s` seconds, or `loads_s` after
+        """`answers`: whether it serves its purpose; not for `silent_s` seconds, or `loads_s` after
         its start, and it is ended and started again."""
         self.name = name
         self._watch = None if answers is None else Watch(answers)
@@ -58,7 +58,7 @@ class Child:
         return self._process is not None and self._process.poll() is None
 
     def start(self) -> None:
-        """Starts the process in a group of its own, so that Ctrl-C reaches only us and we stop in order."""
+        """Starts the process in a separate group, so that Ctrl-C reaches only us and we stop in order."""
         launcher = [sys.executable, "-I", "-S", str(_LAUNCHER), str(os.getpid())]
         with self._log.open("ab") as log:
             self._process = subprocess.Popen(  # noqa: S603 - fixed programs, no shell

@@ -65,7 +65,7 @@ def _estimates(
 ) -> tuple[Estimate, Estimate, tuple[str, ...]]:
     """With the variance of one sample of the reference: both images' noise is known from it, in all channels,
     as Mitsuba's tests do. Else all quantities that both files have with their errors, or Y if one of them has
-    its standard error. Last, the names of what is compared."""
+    its standard error. Last, the names of the compared quantities."""
     scale, xyz = comparison.scale, ("X", "Y", "Z")
     if comparison.variance is None:
         if image.moments is not None and reference.moments is not None:

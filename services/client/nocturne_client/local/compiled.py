@@ -59,7 +59,7 @@ def compile_to(
 ) -> CompiledFolder:
     """Writes scene.pb, schedule.pb and blobs/ into `folder`. Raises NocturneClientError with all problems.
 
-    `seed` instead of the scene's own. `layers`: see `nocturne_scene.layers`; beside these, those that are
+    `seed` instead of the scene's own. `layers`: see `nocturne_scene.layers`; in addition, those that are
     made without being asked for; None: none at all. `changes`: see `nocturne_client.changes`. `name`: what
     errors call the scene; empty: its path.
     """
@@ -67,7 +67,7 @@ def compile_to(
     made = {**(changes or {}), **({} if seed is None else {"tracing.seed": seed})}
     on_disk = replace(on_disk, document=changed(on_disk.document, made))
     try:
-        # Problems of the film are told before the work.
+        # Problems of the film are reported before the work.
         make_schedule(width, height, samples)
         document = check_document(on_disk.document)
         blobs = BlobStore(folder / "blobs")

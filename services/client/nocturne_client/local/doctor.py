@@ -1,4 +1,4 @@
-"""`nocturne doctor`: what is missing on this machine, and how to get it."""
+"""`nocturne doctor`: missing parts on this machine, and how to get them."""
 
 import importlib.util
 import shutil
@@ -95,7 +95,7 @@ def _disk(folder: Path) -> Finding:
 
 
 def _page() -> Finding:
-    # Not above: the API may be what is missing.
+    # Not above: the API may be the missing part.
     from nocturne_api.rest.page import built_page
 
     index = built_page() / "index.html"

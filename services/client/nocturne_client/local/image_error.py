@@ -1,4 +1,4 @@
-"""What an EXR of ours says of its own error: the estimate that the service makes, from the file alone."""
+"""The error of an EXR of ours by its own data: the estimate that the service makes, from the file alone."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path

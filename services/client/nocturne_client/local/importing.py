@@ -30,7 +30,7 @@ def options(
 def import_to(file: Path, folder: Path, options: ImportOptions, *, kept: bool = True) -> Imported:
     """Write the scene of `file` into `folder`. Raises NocturneClientError with all problems.
 
-    `kept`: whether the folder stays for people to edit what is in it.
+    `kept`: whether the folder stays for people to edit its contents.
     """
     try:
         return import_scene(file, folder, options)
@@ -66,7 +66,7 @@ def imported_or_same(
 
 
 def report(imported: Imported) -> list[str]:
-    """Lines that say what was changed, what is missing, and how to go on."""
+    """Lines that say which parts were changed, which are missing, and how to go on."""
     lines = _changes(imported)
     film = imported.film
     size = f"--width {film.width} --height {film.height}"

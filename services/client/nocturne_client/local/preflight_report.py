@@ -46,7 +46,7 @@ def table(found: Preflight) -> Table:
 
 
 def summary(found: Preflight) -> list[str]:
-    """What follows, in sentences."""
+    """The conclusions, in sentences."""
     request, chosen = found.request, found.chosen
     lines = [
         f"pilot: {found.film[0]} x {found.film[1]} pixels, {RENDERS} times {found.samples} samples of each "

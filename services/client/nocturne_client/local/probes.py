@@ -15,7 +15,7 @@ _FRESH_S = 10.0
 
 
 class Watch:
-    """Asks one child again and again, in a thread of its own, for an answer may be long in coming."""
+    """Asks one child again and again, in a separate thread, for an answer may be long in coming."""
 
     def __init__(self, answers: Callable[[], bool]) -> None:
         self._answers = answers

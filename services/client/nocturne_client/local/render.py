@@ -30,7 +30,7 @@ _PERCENT = re.compile(r"\s*([0-9.]+) %")
 
 @dataclass(frozen=True)
 class LocalRender:
-    """What is to be rendered, and how."""
+    """The scene to be rendered, and how."""
 
     scene: Path
     outputs: Sequence[Path]
@@ -46,11 +46,11 @@ class LocalRender:
     stop: Mapping[str, Any] = field(default_factory=dict)
     """Of the service's conditions, relative_error and wall_seconds."""
     layers: Sequence[str] = ()
-    """Names of layers beside those that are made without being asked for; see nocturne_scene.layers."""
+    """Names of layers in addition to those made without being asked for; see nocturne_scene.layers."""
     changes: Mapping[str, Any] = field(default_factory=dict)
     """Of the scene document; see nocturne_client.changes."""
     name: str = ""
-    """What people call the scene, such as the file that was imported; empty: by its document."""
+    """The scene's name for people, such as the file that was imported; empty: by its document."""
 
 
 def render_scene(asked: LocalRender) -> None:
@@ -110,7 +110,7 @@ def _as_it_is(image: Path) -> Path:
 
 
 def _as_png(image: Path) -> Path:
-    """A PNG beside an EXR, exposed as the service's previews are."""
+    """A PNG next to an EXR, exposed as the service's previews are."""
     xyz = read_picture(image).xyz
     png = image.with_suffix(".png")
     write_preview(png, xyz, np.ones(xyz.shape[:2], dtype=np.uint32), FINAL_COMPRESSION)
@@ -149,7 +149,7 @@ def _trace(command: list[str], name: str, stop: LocalStop | None = None, sums: P
 
 def _answer(process: "subprocess.Popen[str]", stop: LocalStop, sums: Path) -> None:
     """Tells the program after each range whether it is to go on; ends it where that fails, as it would wait
-    for ever."""
+    without end."""
     try:
         for line in process.stdout or ():
             answer = "stop" if stop.is_met(int(line), sums) else "go"

@@ -1,4 +1,4 @@
-"""`nocturne restore`: a data folder of this machine is put in order, and what was found is told."""
+"""`nocturne restore`: a data folder of this machine is put in order, and the findings are reported."""
 
 from pathlib import Path
 from typing import Any

@@ -14,7 +14,7 @@ _CLOCK_S = 5.0
 
 
 def examine_service(url: str | None) -> list[Finding]:
-    """Looks at one service; what can't be asked any more is left out."""
+    """Looks at one service; questions that can't be asked any more are left out."""
     with Client(url) as client:
         found: list[Finding] = []
         try:

@@ -29,7 +29,7 @@ def first_token(data: Path) -> str | None:
 
 
 def list_tokens(data: Path | None) -> list[dict[str, Any]]:
-    """What is known of each, oldest first."""
+    """The stored facts of each, oldest first."""
     with _folder(data) as folder:
         return [asdict(token) for token in folder.tokens.list()]
 

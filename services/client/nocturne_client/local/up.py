@@ -27,7 +27,7 @@ from nocturne_client.local.probes import api_answers, is_fresh, redis_answers, w
 from nocturne_client.local.programs import need_program
 from nocturne_client.local.tokens import first_token
 
-# Twenty times what it takes on an idle machine.
+# Twenty times the duration on an idle machine.
 _START_S = 120.0
 # A worker finishes or hands back its job; the others have nothing that takes long.
 _GRACE_S = 5.0
@@ -80,7 +80,7 @@ def _run(settings: UpSettings, stop: threading.Event) -> None:
 
 
 class _Stack:
-    """All children. The sockets between them lie in a folder of mode 0700, so nobody else can connect."""
+    """All children. The sockets between them lie in a folder of mode 0700, so no other user can connect."""
 
     def __init__(self, settings: UpSettings, sockets: Path) -> None:
         self._settings = settings
@@ -134,7 +134,7 @@ class _Stack:
         self._file.unlink(missing_ok=True)
 
     def start(self, stop: threading.Event) -> None:
-        """Starts all in order, each when what it needs answers; ends early when `stop` is set."""
+        """Starts all in order, each when the children it needs answer; ends early when `stop` is set."""
         self._redis.start()
         self._redis.wait_until(lambda: stop.is_set() or redis_answers(self._redis_socket), _START_S)
         self._coordinator.start()
@@ -147,7 +147,7 @@ class _Stack:
         self._write_file()
 
     def supervise(self) -> None:
-        """Starts again what has died, or hangs."""
+        """Starts children again that have died, or hang."""
         restarted = [
             child.supervise(lambda text: ERRORS.print(escape(text), soft_wrap=True))
             for child in self._children
@@ -191,7 +191,7 @@ def _redis_command(path: Path) -> list[str]:
 
 
 def _make_folder(data: Path) -> None:
-    """Tries a piece that a start needs: a full disk is told before anything is begun."""
+    """Tries a piece that a start needs: a full disk is reported before anything is begun."""
     data.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryFile(dir=data) as probe:
         probe.write(bytes(_PROBE_BYTES))

@@ -1,4 +1,4 @@
-"""Which way to show images a terminal knows; the ways themselves are in terminal.py, which needs numpy."""
+"""Which method to show images a terminal knows; the methods are in terminal.py, which needs numpy."""
 
 from collections.abc import Mapping
 from enum import Enum

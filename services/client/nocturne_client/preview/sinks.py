@@ -27,7 +27,7 @@ _HOME, _CLEAR, _CLEAR_REST = b"\x1b[H", b"\x1b[2J", b"\x1b[J"
 
 
 class Sink(Protocol):
-    """Takes what is new of a render."""
+    """Takes the new parts of a render."""
 
     is_terminal: bool
     """It paints the terminal, so that a progress bar has no place there."""

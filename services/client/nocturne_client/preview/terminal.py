@@ -1,4 +1,4 @@
-"""Images in terminals: the bytes of each way to show one.
+"""Images in terminals: the bytes of each method to show one.
 
 kitty: sw.kovidgoyal.net/kitty/graphics-protocol. iTerm2: iterm2.com/documentation-images.html. Sixel: DEC's
 VT3xx, vt100.net/docs/vt3xx-gp/chapter14.html.

@@ -24,7 +24,7 @@ _TIMEOUT_S = 10.0
 _LAST_PORT = 65535
 
 CHANNELS = ("R", "G", "B", "X", "Y", "Z", "Y.stderr")
-"""Linear sRGB for the eye, and what was measured."""
+"""Linear sRGB for the eye, and the measured quantities."""
 
 
 class Tev:
@@ -60,7 +60,7 @@ class Tev:
         self._send(struct.pack("<BB", _CREATE, 1) + _text(name) + size + channels)
 
     def update(self, tiles: Sequence[Tile]) -> None:
-        """Pixels of these tiles; what is in front stays in front."""
+        """Pixels of these tiles; the image in front stays in front."""
         for tile in tiles:
             self._send(self._update_packet(tile))
 
@@ -88,7 +88,7 @@ class Tev:
 
 
 def _interleaved(pixels: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
-    """All channels of a pixel beside each other, in the order of CHANNELS."""
+    """All channels of a pixel next to each other, in the order of CHANNELS."""
     both = np.concatenate([linear_srgb(pixels[..., :3]), pixels], axis=-1)
     return np.ascontiguousarray(both, dtype="<f4")
 
