@@ -1,4 +1,4 @@
-"""`nocturne baseline`: compares a render with one of the scene by another version of the tracing engine."""
+"""`nocturne baseline`: compares a render with one of the same scene by another version of the engine."""
 
 import tempfile
 from pathlib import Path
