@@ -1,5 +1,5 @@
-"""Which jobs are on the stream: keeps the window full, makes use of entries found there, takes back what is
-overdue. Pure."""
+"""Which jobs are on the stream: keeps the window full, makes use of entries found there, takes back overdue
+jobs. Pure."""
 
 from collections.abc import Collection
 

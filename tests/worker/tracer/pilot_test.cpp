@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -52,6 +53,17 @@ TEST(PilotFigures, TellMeansApartByHowTheyDiffer) {
   // What both have in common is none of the difference.
   EXPECT_TRUE(is_more({101, 201, 301, 401}, {100, 200, 300, 400.1}));
   EXPECT_FALSE(is_more(zeros, zeros));
+}
+
+TEST(PilotFigures, CountSamplesThatFoundLight) {
+  TileSums sums(3, 1, 0);
+  const auto add = [&](std::size_t pixel, double y) {
+    const std::array<double, 3> xyz{0.0, y, 0.0};
+    add_sample(xyz.data(), 0, &sums.sums[pixel * sums.channels]);
+  };
+  for (int i = 0; i < 4; ++i) add(0, 2.0);
+  add(1, 1e6);
+  EXPECT_DOUBLE_EQ(finds_of({.samples = 4, .images = {{sums}, {sums}}}), 2 * (4.0 + 1.0));
 }
 
 TEST(PilotOfRareLight, IsBroughtWhereOthersMissIt) {
@@ -164,6 +176,22 @@ TEST(PilotOfMethods, NeverTakesWhatMissesLight) {
   EXPECT_EQ(best({{kAlone, {10, 0.01}}, {kRest, {6, 1}}, {kForward, {5, 1}}}), kBoth);
   // And the other way round.
   EXPECT_EQ(best({{kAlone, {10, 1}}, {kRest, {6, 0.01}}, {kForward, {3, 0.01}}}), kPlain);
+}
+
+// Where a guide was chosen, the plainest method is the only one without it.
+TEST(PilotOfMethods, LooksForRareLightByPhotonsFromLuminaires) {
+  PhotonKind guided_rest = kRest, aimed = kForward;
+  guided_rest.guided = true;
+  aimed.aimed = 0.6f;
+  const std::map<PhotonKind, PilotImages> images{{kForward, images_of({1, 0.5}, 1)},
+                                                 {aimed, images_of({1, 0.1}, 2)}};
+  const auto surest = [&](const std::vector<PilotMethod>& methods) {
+    return surest_from_luminaires(
+        methods, kAlone, [&](const PhotonKind& kind) -> const auto& { return images.at(kind); });
+  };
+  const PilotMethod guided{guided_rest, kForward}, surer{guided_rest, aimed};
+  EXPECT_EQ(surest({kPlain, {kGuided, {}}, guided, surer}), surer);
+  EXPECT_EQ(surest({kPlain, surer, kBoth}), kBoth);
 }
 
 TEST(PilotOfMethods, NeverTakesPhotonsThatHardlyFoundTheSensor) {

@@ -1,8 +1,7 @@
 // A texture as the scene compiler writes it (scene/nocturne_scene/textures/texture_files.py),
 // mapped into memory: all levels of a picture as raw numbers, little endian. In this order:
 // - "NOCTEXEL", then as uint32 each: version, width, height, channels (1 or 3), Numbers of the
-// finest
-//   level, Numbers of all others (not codes), how many levels there are;
+//   finest level, Numbers of all others (not codes), how many levels there are;
 // - of codes alone: the 256 float32 that they stand for;
 // - the levels, the finest first, each from the next multiple of 64 bytes on. One is half as wide
 //   and as high as the one before, rounded down, and at least 1; the last one is 1 x 1.

@@ -121,6 +121,17 @@ bool is_more(const std::vector<double>& more, const std::vector<double>& less, d
   return mean > bound * error && mean > 0.0;
 }
 
+const PilotMethod& surest_from_luminaires(const std::vector<PilotMethod>& methods,
+                                          const PhotonKind& sensor, const ImagesOfKind& images) {
+  const auto rank = [&](const PilotMethod& each) {
+    if (!each.luminaires) return std::tuple(false, false, 0.0);
+    const auto [mean, error] = mean_and_error(images(*each.luminaires));
+    return std::tuple(true, !each.sensor || each.sensor->guided == sensor.guided,
+                      mean > 0.0 ? mean / error : 0.0);
+  };
+  return *std::ranges::max_element(methods, {}, rank);
+}
+
 double best_forward_ratio(const PilotFigures& sensor, const PilotFigures& luminaires,
                           double about) {
   MethodFigures both;

@@ -58,6 +58,11 @@ std::vector<MethodFigures> figures_of_methods(const std::vector<PilotMethod>& me
 double best_forward_ratio(const PilotFigures& sensor, const PilotFigures& luminaires,
                           double about = 1.0);
 
+/// Of the methods with photons from luminaires, that whose light from these is most certain; those
+/// whose photons from the sensor are guided as `sensor` is come first, if there are any.
+const PilotMethod& surest_from_luminaires(const std::vector<PilotMethod>& methods,
+                                          const PhotonKind& sensor, const ImagesOfKind& images);
+
 /// By merit; comparable methods come before those that are not.
 bool is_better(const MethodFigures& one, const MethodFigures& other);
 

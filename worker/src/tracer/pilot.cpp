@@ -26,9 +26,9 @@ constexpr double kPartOfSmall = 0.2, kLeastRays = 0.25e6, kEnoughRays = 2e6;
 constexpr std::uint32_t kSamples = 16, kMostSamples = 256, kMoreSamples = 4;
 /// Of all rounds, where half the methods go on after each: that of the first times this, about.
 constexpr double kRounds = 10.0;
-/// Part of the mean from which gathered light counts; how many times more often photons must find
-/// it with a guide, or how many times less their variance must be; and as many finds as tell.
-constexpr double kCounts = 1e-3, kGuidePays = 4.0, kEnoughFinds = 16.0;
+/// How many times more often photons must find gathered light with a guide, or how many times less
+/// their variance must be; and as many finds as tell.
+constexpr double kGuidePays = 4.0, kEnoughFinds = 16.0;
 /// A ratio of photons from luminaires may be so many times worse than the best, to have more of
 /// them: in the larger pixels of a small film those from the sensor have more error than in the
 /// render, and the best ratio came out 1.5 times too low in 40 scenes (docs/decisions/0130).
@@ -108,15 +108,16 @@ class Pilot {
     const auto [found, error] = mean_and_error(after);
     const double certain = mean_and_error(before).error / error,
                  often = finds_of(after) / finds_of(before);
+    const bool loses = is_more(means, means_guided, kFault);
     const bool pays =
-        found > kCounts * mean_ && finds_of(after) > kEnoughFinds &&
+        !loses && found > kCounts * mean_ && finds_of(after) > kEnoughFinds &&
         (is_more(means_guided, means) || often > kGuidePays || certain * certain > kGuidePays);
     std::erase_if(methods_, [&](const PilotMethod& each) {
       return each.sensor && (pays ? each.sensor->from == plain.from && !each.sensor->guided &&
                                         each != methods_.front()
                                   : each.sensor->guided);
     });
-    if (!is_more(means, means_guided, kFault)) return;
+    if (!loses) return;
     result_.fault = PilotResult::Fault::kGuided;
     result_.differs_by = found / mean_and_error(before).mean - 1.0;
   }
@@ -143,7 +144,9 @@ class Pilot {
   /// Rare light hides in the noise of other light: it is looked for alone.
   void look_for_rare_light() {
     const PhotonKind sensor = *best_.method.sensor;
-    const PilotMethod method = surest_beside(sensor);
+    const PilotMethod method = surest_from_luminaires(
+        methods_, sensor,
+        [&](const PhotonKind& kind) -> const PilotImages& { return images_[kind]; });
     const PilotImages& brought = small_images(*method.luminaires);
     PilotImages left = small_images(sensor);
     const double mean = best_.mean.mean;
@@ -162,17 +165,6 @@ class Pilot {
     }
     best_ = std::ranges::min(compared(bring_it), is_better);
     finds_rare_light_ = true;
-  }
-
-  /// Of the methods whose photons from the sensor are as these, that with the most certain light.
-  PilotMethod surest_beside(const PhotonKind& sensor) {
-    const auto certainty = [&](const PilotMethod& each) {
-      if (!each.luminaires) return -1.0;
-      if (each.sensor && each.sensor->guided != sensor.guided) return -1.0;
-      const auto [mean, error] = mean_and_error(images_[*each.luminaires]);
-      return mean > 0.0 ? mean / error : 0.0;
-    };
-    return *std::ranges::max_element(methods_, {}, certainty);
   }
 
   void choose_sharing() {

@@ -9,9 +9,8 @@
 namespace nocturne {
 namespace {
 
-/// Light is rare where one hit is at least this part of the mean; and the part that counts where it
-/// is missing: a tenth of the error that most renders are asked for.
-constexpr double kOneFind = 1e-4, kCounts = 1e-3;
+/// Light is rare where one hit is at least this part of the mean.
+constexpr double kOneFind = 1e-4;
 /// Photons from the sensor whose error is so many times larger meet the light in finds so rare that
 /// an image's errors don't show them; where it is less, both directions are about as sure.
 constexpr double kMuchLessCertain = 2.0;

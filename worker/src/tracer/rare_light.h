@@ -8,6 +8,9 @@
 
 namespace nocturne {
 
+/// Part of the mean that counts where it is missing: a tenth of the error that most renders are
+/// asked for.
+constexpr double kCounts = 1e-3;
 /// A mean of rare light that is so many standard errors is certain.
 constexpr double kSure = 5.0;
 /// Standard errors by which two means differ so far that it is reported; and those above the met
