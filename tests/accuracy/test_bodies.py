@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from tests.accuracy.agreement import compare, sidak_bound
-from tests.accuracy.scenes import cornell, furnace
+from tests.accuracy.meters import Measurement
+from tests.accuracy.scenes import cornell, diffuse, furnace, measured_scene, white_tile
 from tests.accuracy.spectral_meters import NO_ROULETTE, Estimate, flat, scene
 from tests.accuracy.tracing import Document, part_of, trace
 from tests.system.images import differing_values
@@ -60,6 +61,25 @@ def test_radiance_inside_is_n_squared(shape: Document, together: int, tmp_path: 
     camera = _camera([0.3, 0.2, 0.6], 20)
     document = scene(camera, _white_inside(shape, 0.0), photons_together=together)
     Estimate.of(flat(trace(document, tmp_path, 16, 256))).check(2.25, _BOUND, shape["type"])
+
+
+def test_photons_caught_in_a_box_end(tmp_path: Path) -> None:
+    """A tile that hardly covers anything gets 2.25 in the directions that leave a box of index 1.5 at a face.
+
+    The others never end by themselves. Photons sent towards lights there went on until their last ray, and
+    images reported them. What comes back to the tile is below 1 %, its reflectance.
+    """
+    normal, reflectance = [0.36, 0.48, 0.8], 0.01
+    tile, meter = white_tile(([0.1, 0.2, 0.05], normal))
+    document = measured_scene(meter, [*_white_inside(_BOX, 0.0)[:1], tile | {"kernel": diffuse(reflectance)}])
+    document["environment"] = {"radiance": 1.0}
+    measurement = Measurement(document, tmp_path, 16, 16)
+    to = np.random.default_rng(0).normal(size=(1_000_000, 3))
+    to /= np.linalg.norm(to, axis=1)[:, None]
+    leaves = np.abs(to).max(axis=1) > np.sqrt(1.0 - 1.0 / 1.5**2)
+    part = (np.abs(to @ normal) * leaves).mean() / 0.5
+    measurement.by_pixels(64).check(reflectance * 2.25 * part, reflectance)
+    assert measurement.statistics["truncated_paths"] == 0
 
 
 def test_rough_glass_loses_only_what_its_model_loses(tmp_path: Path) -> None:

@@ -153,15 +153,35 @@ void estimate_next_events(Batch& batch, const Chunk<N, Bound>& chunk) {
   }
 }
 
+/// Interactions in a row that absorb nothing and only reflect or refract.
+template <int N, class Kernel>
+void count_caught(Group<N>& group, const Kernel& kernel, const Spectral<N>& albedo) {
+  constexpr float kClear = 1.0f - 1e-6f;
+  group.caught = !kernel.smooth() && largest(albedo) >= kClear ? group.caught + 1 : 0;
+}
+
+/// What ends photons that roulette by albedo would not, whatever their number of surfaces.
+template <int N>
+float survival_of_many(const Group<N>& group) {
+  using Options = TracingOptions;
+  const auto after = [](std::uint32_t least, std::uint32_t count) {
+    return count > least ? 1.0f - 2.0f / static_cast<float>(std::min(count, Options::kSteadyFrom))
+                         : 1.0f;
+  };
+  return std::min(after(Options::kCaughtAfter, group.caught),
+                  after(Options::kManyBounces, group.depth - group.collisions));
+}
+
 /// Of a photon that was sent to lights, where it meets a surface that has a delta lobe: by the
 /// weight it has lost since. One that is totally reflected within glass again and again ends when
-/// its medium has absorbed or scattered most of it.
+/// its medium has absorbed or scattered most of it, or by the number of its reflections.
 template <class Batch, int N, class Kernel>
-float survival_of_passing(const Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
+float survival_of_passing(const Batch& batch, Group<N>& group, const Vertex<N>& vertex,
                           const Kernel& kernel) {
   const Spectral<N> albedo = only(kernel.albedo(vertex.wo), alive(group.weight));
   const float left = largest(albedo * group.weight * square_of_index(batch, group));
-  return std::min({1.0f, largest(albedo), left / group.mis.worth});
+  count_caught(group, kernel, albedo);
+  return std::min({survival_of_many(group), largest(albedo), left / group.mis.worth});
 }
 
 template <class Batch, int N, class Kernel>

@@ -18,30 +18,17 @@ float chance_to_stay(const Batch& batch, const Group<N>& group, Vec3 position) {
   return std::min(1.0f, largest(group.weight) * radius * radius / dot(away, away));
 }
 
-/// What ends photons that roulette by albedo would not, whatever their number of surfaces.
-template <int N>
-float survival_of_many(const Group<N>& group) {
-  using Options = TracingOptions;
-  const auto after = [](std::uint32_t least, std::uint32_t count) {
-    return count > least ? 1.0f - 2.0f / static_cast<float>(std::min(count, Options::kSteadyFrom))
-                         : 1.0f;
-  };
-  return std::min(after(Options::kCaughtAfter, group.caught),
-                  after(Options::kManyBounces, group.depth - group.collisions));
-}
-
 /// The paper's survival probability is H h. Times the weight that the photon carries, light photons
 /// die and heavy ones stay (docs/decisions/0004-roulette-by-weight.md). One probability for the
 /// group: it stays together as long as one of them is worth it.
 template <class Batch, int N, class Kernel>
 float survival_at(const Batch& batch, Group<N>& group, const Vertex<N>& vertex,
                   const Kernel& kernel) {
-  constexpr float kClear = 1.0f - 1e-6f;
   const TracingOptions& options = batch.options;
   float survival = 1.0f;
   if (group.depth > options.roulette_after) {
     Spectral<N> albedo = kernel.albedo(vertex.wo);
-    group.caught = !kernel.smooth() && largest(albedo) >= kClear ? group.caught + 1 : 0;
+    count_caught(group, kernel, albedo);
     if (batch.kAdjoint && !group.inside.empty()) albedo *= square_of_index(batch, group);
     survival = std::min(
         1.0f, options.h * largest(options.roulette_by_weight ? albedo * group.weight
