@@ -26,7 +26,7 @@
 #include "trace_files.h"
 #include "trace_job.h"
 #include "tracer/layers.h"
-#include "tracer/learned_at.h"
+#include "tracer/learning/learned_at.h"
 #include "tracer/path_limits.h"
 #include "tracer/trace_film.h"
 #include "worker_loop/check_job.h"

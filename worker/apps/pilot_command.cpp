@@ -7,10 +7,10 @@
 
 #include "digest/sha256.h"
 #include "trace_files.h"
-#include "tracer/aims_around.h"
-#include "tracer/gatherers.h"
-#include "tracer/learn.h"
-#include "tracer/pilot.h"
+#include "tracer/learning/aims_around.h"
+#include "tracer/learning/gatherers.h"
+#include "tracer/learning/learn.h"
+#include "tracer/pilot/pilot.h"
 
 namespace nocturne {
 namespace {

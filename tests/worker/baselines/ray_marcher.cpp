@@ -4,7 +4,7 @@
 
 #include "math/frame.h"
 #include "math/functions.h"
-#include "tracer/vertex.h"
+#include "tracer/vertex/vertex.h"
 
 namespace nocturne::baselines {
 namespace {

@@ -1,7 +1,7 @@
 // How photons that clear glass or mirrors never let go end.
 #include <gtest/gtest.h>
 
-#include "tracer/stages/scatter.h"
+#include "tracer/vertex/roulette.h"
 
 namespace nocturne {
 namespace {

@@ -1,6 +1,6 @@
 // Learned targets for photons from luminaires, and learned light that mirrors and glass focus. That
 // images stay the same with any targets and guides is tested in tests/accuracy.
-#include "tracer/learn.h"
+#include "tracer/learning/learn.h"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "support/caustic_scene.h"
-#include "tracer/aims_around.h"
-#include "tracer/gatherers.h"
+#include "tracer/learning/aims_around.h"
+#include "tracer/learning/gatherers.h"
 
 namespace nocturne {
 namespace {

@@ -1,5 +1,5 @@
 // Learned light for display: the place that a pixel shows, directly and by glass.
-#include "tracer/learned_at.h"
+#include "tracer/learning/learned_at.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Which photons bring a path of light, for every path of up to four interactions.
-#include "tracer/path_partition.h"
+#include "tracer/both_directions/path_partition.h"
 
 #include <gtest/gtest.h>
 

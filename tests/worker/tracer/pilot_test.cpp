@@ -1,6 +1,6 @@
 // A pilot's criteria, and its choice of method. That images are the same by all methods is tested
 // in tests/accuracy. Long, as it has both criteria and choices.
-#include "tracer/pilot.h"
+#include "tracer/pilot/pilot.h"
 
 #include <gtest/gtest.h>
 
@@ -12,10 +12,10 @@
 
 #include "math/splitmix64.h"
 #include "support/caustic_scene.h"
-#include "tracer/compare_methods.h"
-#include "tracer/learn.h"
-#include "tracer/rare_light.h"
-#include "tracer/trials.h"
+#include "tracer/learning/learn.h"
+#include "tracer/pilot/compare_methods.h"
+#include "tracer/pilot/rare_light.h"
+#include "tracer/pilot/trials.h"
 
 namespace nocturne {
 namespace {

@@ -1,4 +1,4 @@
-#include "tracer/power_heuristic.h"
+#include "tracer/vertex/power_heuristic.h"
 
 #include <gtest/gtest.h>
 

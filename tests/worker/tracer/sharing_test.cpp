@@ -7,7 +7,7 @@
 #include <tuple>
 
 #include "support/scene_builder.h"
-#include "tracer/sharing_blocks.h"
+#include "tracer/sharing/sharing_blocks.h"
 #include "tracer/trace_film.h"
 
 namespace nocturne {

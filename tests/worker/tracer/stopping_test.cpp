@@ -6,7 +6,7 @@
 #include <thread>
 
 #include "support/scene_builder.h"
-#include "tracer/delta_tracking.h"
+#include "tracer/media/delta_tracking.h"
 #include "tracer/trace_tile.h"
 
 namespace nocturne {

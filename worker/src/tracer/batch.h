@@ -6,11 +6,11 @@
 #include <optional>
 #include <vector>
 
-#include "tracer/free_flight.h"
 #include "tracer/group.h"
-#include "tracer/sharing.h"
-#include "tracer/stages/kernel_order.h"
-#include "tracer/vertex.h"
+#include "tracer/kernel_order.h"
+#include "tracer/media/free_flight.h"
+#include "tracer/sharing/sharing.h"
+#include "tracer/vertex/vertex.h"
 
 namespace nocturne {
 
@@ -51,6 +51,23 @@ struct Encounter {
   std::uint32_t contacts = kNoContacts;
 
   static constexpr std::uint32_t kNoContacts = ~0u;
+};
+
+/// So many that the steps are worth a loop, so few that all of it stays near the processor.
+inline constexpr std::size_t kChunk = 32;
+
+template <int N, class Bound>
+struct Chunk {
+  std::size_t count = 0;
+  std::array<Group<N>*, kChunk> groups;
+  std::array<const Encounter*, kChunk> met;
+  std::array<std::optional<Vertex<N>>, kChunk> vertices;
+  std::array<std::optional<Bound>, kChunk> kernels;
+  /// The next of each group.
+  std::array<Uniform4, kChunk> numbers;
+  std::array<float, kChunk> survival;
+  /// A second photon goes towards lights.
+  std::array<bool, kChunk> two_photons;
 };
 
 /// The light that is added to a tally if it is not occluded.

@@ -10,7 +10,7 @@
 #include "scene/interior_list.h"
 #include "spectrum/spectral.h"
 #include "surfaces/departure.h"
-#include "tracer/path_partition.h"
+#include "tracer/both_directions/path_partition.h"
 
 namespace nocturne {
 

@@ -2,8 +2,8 @@
 // other. No light is counted, and media are not looked at.
 #pragma once
 
-#include "tracer/stages/travel.h"
-#include "tracer/vertex.h"
+#include "tracer/vertex/travel.h"
+#include "tracer/vertex/vertex.h"
 
 namespace nocturne {
 

@@ -4,9 +4,9 @@
 #include "tracer/estimators/arrival_estimator.h"
 #include "tracer/estimators/camera_estimator.h"
 #include "tracer/estimators/sensor_estimator.h"
+#include "tracer/photon_loop.h"
 #include "tracer/photon_start.h"
 #include "tracer/response.h"
-#include "tracer/trace_batch.h"
 
 namespace nocturne {
 

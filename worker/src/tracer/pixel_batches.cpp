@@ -2,10 +2,9 @@
 
 #include "math/in_place.h"
 #include "tracer/joint_sets.h"
+#include "tracer/photon_loop.h"
 #include "tracer/response.h"
-#include "tracer/sharing_blocks.h"
-#include "tracer/stages/share.h"
-#include "tracer/trace_batch.h"
+#include "tracer/sharing/sharing_blocks.h"
 
 namespace nocturne {
 namespace {
@@ -70,7 +69,6 @@ void PixelBatches<N, Media>::trace(std::span<const PixelIndex> samples, TileSums
     start(batch_, samples_.back().start, sequence);
   }
   trace_batch(batch_);
-  share(batch_);
   counts.rays += batch_.rays;
   counts.truncated_paths += batch_.limits.truncated();
   for (std::size_t i = 0; i < samples.size(); ++i, values += counts.values()) {

@@ -6,7 +6,7 @@
 #include "tile/tile_sums.h"
 #include "tracer/pixel_batches.h"
 #include "tracer/response.h"
-#include "tracer/sharing_blocks.h"
+#include "tracer/sharing/sharing_blocks.h"
 
 namespace nocturne {
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "tracer/batch.h"
-#include "tracer/near_ends.h"
-#include "tracer/power_heuristic.h"
+#include "tracer/both_directions/near_ends.h"
+#include "tracer/vertex/power_heuristic.h"
 
 namespace nocturne {
 
