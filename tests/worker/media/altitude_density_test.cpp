@@ -159,6 +159,25 @@ TEST(AltitudeMajorants, EndBesideTheStartOfARayThatLeavesAllLayers) {
   }
 }
 
+// Where the lowest layer begins at height 0, nothing is rounded there: a ray that fell from its
+// edge had the layer's bound without end, and took all tentative collisions that there may be.
+TEST(AltitudeMajorants, EndWhereARayFallsFromTheLowestEdge) {
+  const auto layers = AltitudeDensity::table(kFlat, {0.0, 2.0}, {1.0f, 0.5f});
+  const Ground along_y{{0.0, 0.0, 0.0}, {0.0, 1.0, 0.0}, 0.0};
+  const auto above_y = AltitudeDensity::table(along_y, {0.0, 2.0}, {1.0f, 0.5f});
+  const auto bounded = [](const AltitudeDensity& density, const Ray& ray) {
+    AltitudeMajorants along(density, ray, kForever);
+    float from = 0.0f, all = 0.0f;
+    for (MajorantSegment segment; along.next(segment); from = segment.end) {
+      if (segment.majorant > 0.0f) all += segment.end - from;
+    }
+    return all;
+  };
+  EXPECT_LT(bounded(layers, {{1.0f, 2.0f, 0.0f}, {0.6f, 0.0f, -0.8f}}), 1e-4f);
+  EXPECT_LT(bounded(above_y, {{1.0f, 0.0f, 2.0f}, {0.6f, -0.8f, 0.0f}}), 1e-4f);
+  EXPECT_EQ(bounded(layers, {{1.0f, 2.0f, 0.0f}, {1.0f, 0.0f, 0.0f}}), kForever);
+}
+
 TEST(ConstantDensity, IsOneSegment) {
   const ConstantDensity density{0.5f};
   const auto s = test::segments(density, {{1, 2, 3}, {0, 0, 1}}, 7.0f);

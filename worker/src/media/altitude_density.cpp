@@ -153,7 +153,9 @@ float AltitudeDensity::majorant_between(double low, double high) const {
   if (scale_height_ > 0.0) return at_altitude(low) * kRoundedUp;
   auto i = static_cast<std::size_t>(std::ranges::lower_bound(edges_, low) - edges_.begin());
   float majorant = majorant_[i];
-  for (; i < edges_.size() && edges_[i] <= high; ++i)
+  // A ray that falls from an edge has left the layer above; one that is level is in both.
+  const auto reaches = [&](double edge) { return edge < high || (edge == high && low == high); };
+  for (; i < edges_.size() && reaches(edges_[i]); ++i)
     majorant = std::max(majorant, majorant_[i + 1]);
   return majorant;
 }
