@@ -134,11 +134,10 @@ void run(const Options& options) {
   Counts counts{};
   std::uint64_t hits = 0;
   std::vector<double> bare_s, tracer_s;
-  // Everything in a tree of Embree's own, also where the tracer has another.
   const auto shapes = scene->geometry.shapes();
   const EmbreeScene tree({shapes.begin(), shapes.end()},
                          std::vector<std::uint32_t>(shapes.size(), 0), {}, {});
-  const auto bare = [&] { hits = trace_bare(recorded, tree.everything()); };
+  const auto bare = [&] { hits = trace_bare(recorded, tree.scene); };
   const auto tracer = [&] { counts = trace(*scene, options); };
   bare();  // As memory that is new costs time; recording was the tracer's turn.
   for (unsigned round = 0; round < options.rounds; ++round) {

@@ -35,6 +35,13 @@ const EmbreeSpheres::One& sphere_of(void* data, unsigned primitive) {
   return static_cast<const EmbreeSpheres*>(data)->all[primitive];
 }
 
+// Rounded outwards.
+RTCBounds bounds_of(const Sphere& sphere, std::size_t step) {
+  const Double3 centre = centre_at_step(sphere, step);
+  const Double3 half{sphere.radius, sphere.radius, sphere.radius};
+  return outward(centre - half, centre + half, 0.0);
+}
+
 void sphere_bounds(const RTCBoundsFunctionArguments* arguments) {
   const Sphere& sphere = *sphere_of(arguments->geometryUserPtr, arguments->primID).sphere;
   *arguments->bounds_o = bounds_of(sphere, arguments->timeStep);
@@ -119,6 +126,26 @@ void sphere_occluded(const RTCOccludedFunctionNArguments* arguments) {
   }
 }
 
+// The corners of the group's box, each moved linearly between two time steps, stay in the box that
+// moves linearly between theirs. Carrying a ray into the group moves it by a unit in the last place
+// of its coordinates: as much is added all round.
+RTCBounds bounds_of(const EmbreeInstances::One& one, std::size_t step) {
+  RTCBounds group;
+  rtcGetSceneBounds(one.scene, &group);
+  const Placement placement = one.instance->placement_at_step(step);
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  Double3 lower{kInfinite, kInfinite, kInfinite}, upper{-kInfinite, -kInfinite, -kInfinite};
+  for (int corner = 0; corner < 8; ++corner) {
+    const Double3 p = placement.point_to_scene({corner & 1 ? group.upper_x : group.lower_x,
+                                                corner & 2 ? group.upper_y : group.lower_y,
+                                                corner & 4 ? group.upper_z : group.lower_z});
+    lower = {std::min(lower.x, p.x), std::min(lower.y, p.y), std::min(lower.z, p.z)};
+    upper = {std::max(upper.x, p.x), std::max(upper.y, p.y), std::max(upper.z, p.z)};
+  }
+  const double largest = std::max(max_abs(lower), max_abs(upper));
+  return outward(lower, upper, 4.0 * std::numeric_limits<float>::epsilon() * largest);
+}
+
 void instance_bounds(const RTCBoundsFunctionArguments* arguments) {
   const auto* instances = static_cast<const EmbreeInstances*>(arguments->geometryUserPtr);
   *arguments->bounds_o = bounds_of(instances->all[arguments->primID], arguments->timeStep);
@@ -199,53 +226,6 @@ RTCGeometry user_geometry(RTCDevice device, const Data& data, std::size_t primit
 }
 
 }  // namespace
-
-RTCBounds bounds_of(const Sphere& sphere, std::size_t step) {
-  const Double3 centre = centre_at_step(sphere, step);
-  const Double3 half{sphere.radius, sphere.radius, sphere.radius};
-  return outward(centre - half, centre + half, 0.0);
-}
-
-// The corners of the group's box, each moved linearly between two time steps, stay in the box that
-// moves linearly between theirs. Carrying a ray into the group moves it by a unit in the last place
-// of its coordinates: as much is added all round.
-RTCBounds bounds_of(const EmbreeInstances::One& one, std::size_t step) {
-  RTCBounds group;
-  rtcGetSceneBounds(one.scene, &group);
-  const Placement placement = one.instance->placement_at_step(step);
-  constexpr double kInfinite = std::numeric_limits<double>::infinity();
-  Double3 lower{kInfinite, kInfinite, kInfinite}, upper{-kInfinite, -kInfinite, -kInfinite};
-  for (int corner = 0; corner < 8; ++corner) {
-    const Double3 p = placement.point_to_scene({corner & 1 ? group.upper_x : group.lower_x,
-                                                corner & 2 ? group.upper_y : group.lower_y,
-                                                corner & 4 ? group.upper_z : group.lower_z});
-    lower = {std::min(lower.x, p.x), std::min(lower.y, p.y), std::min(lower.z, p.z)};
-    upper = {std::max(upper.x, p.x), std::max(upper.y, p.y), std::max(upper.z, p.z)};
-  }
-  const double largest = std::max(max_abs(lower), max_abs(upper));
-  return outward(lower, upper, 4.0 * std::numeric_limits<float>::epsilon() * largest);
-}
-
-RTCRayHit nearest_in(const EmbreeInstances::One& one, RTCRay ray) {
-  RTCRayHit query{ray, {}};
-  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  const auto in_group = ray_in_group(*one.instance, ray, nullptr);
-  if (!in_group) return query;
-  query.ray = *in_group;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcIntersect1(one.scene, &context, &query);
-  return query;
-}
-
-bool blocked_by(const EmbreeInstances::One& one, RTCRay ray) {
-  auto in_group = ray_in_group(*one.instance, ray, nullptr);
-  if (!in_group) return false;
-  RTCIntersectContext context;
-  rtcInitIntersectContext(&context);
-  rtcOccluded1(one.scene, &context, &*in_group);
-  return in_group->tfar < 0.0f;
-}
 
 RTCGeometry new_geometry(RTCDevice device, const EmbreeSpheres& spheres) {
   return user_geometry(device, spheres, spheres.all.size(),

@@ -41,16 +41,6 @@ struct EmbreeInstances {
   std::vector<One> all;
 };
 
-/// Of a sphere or an instance at a time step, rounded outwards.
-RTCBounds bounds_of(const Sphere& sphere, std::size_t step);
-RTCBounds bounds_of(const EmbreeInstances::One& one, std::size_t step);
-
-/// What a ray meets first in an instance, up to a distance; its geomID is invalid where that is
-/// nothing.
-RTCRayHit nearest_in(const EmbreeInstances::One& one, RTCRay ray);
-/// Whether it meets anything.
-bool blocked_by(const EmbreeInstances::One& one, RTCRay ray);
-
 /// A geometry, not yet committed, that refers to its argument for as long as it lives.
 RTCGeometry new_geometry(RTCDevice device, const EmbreeSpheres& spheres);
 RTCGeometry new_geometry(RTCDevice device, const EmbreeInstances& instances);

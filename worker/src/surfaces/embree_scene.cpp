@@ -8,9 +8,6 @@
 namespace nocturne {
 namespace {
 
-// Triangles and other shapes (docs/decisions/0108-own-tree-for-what-is-at-rest.md).
-constexpr std::size_t kSmall = 1000;
-
 RTCGeometry geometry_of(RTCDevice device, TriangleMesh& mesh) {
   RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
   const std::size_t count = mesh.vertex_count();
@@ -25,6 +22,12 @@ RTCGeometry geometry_of(RTCDevice device, TriangleMesh& mesh) {
                              mesh.triangles.data(), 0, sizeof(mesh.triangles[0]),
                              mesh.triangles.size());
   return geometry;
+}
+
+void attach(RTCGeometry geometry, unsigned id, RTCScene to) {
+  rtcCommitGeometry(geometry);
+  rtcAttachGeometryByID(to, geometry, id);
+  rtcReleaseGeometry(geometry);
 }
 
 }  // namespace
@@ -60,10 +63,10 @@ EmbreeScene::EmbreeScene(std::vector<Shape> s, const std::vector<std::uint32_t>&
 
 void EmbreeScene::build(const std::vector<std::uint32_t>& group_of_shape,
                         const std::stop_token& stop) {
-  scene_ = new_scene();
+  scene = new_scene();
   std::map<std::pair<RTCScene, std::size_t>, EmbreeSpheres> spheres;  // by scene and time steps
   for (unsigned i = 0; i < shapes.size(); ++i) {
-    RTCScene to = scene_;
+    RTCScene to = scene;
     unsigned id = i;
     if (group_of_shape[i] != 0) {
       Group& group = groups[group_of_shape[i]];
@@ -72,9 +75,7 @@ void EmbreeScene::build(const std::vector<std::uint32_t>& group_of_shape,
       id = static_cast<unsigned>(group.surfaces.size());
       group.surfaces.push_back(i);
     }
-    const auto add_mesh = [&](TriangleMesh& mesh) {
-      attach(geometry_of(device_, mesh), id, to, Tree::can_hold(shapes[i]));
-    };
+    const auto add_mesh = [&](TriangleMesh& mesh) { attach(geometry_of(device_, mesh), id, to); };
     visit_shape(shapes[i], add_mesh, [&](const Sphere& sphere) {
       spheres[{to, sphere.later_centres.size()}].all.push_back({&sphere, id});
     });
@@ -83,44 +84,11 @@ void EmbreeScene::build(const std::vector<std::uint32_t>& group_of_shape,
   for (auto& [where, same] : spheres) {
     sphere_sets.push_back(std::move(same));
     attach(new_geometry(device_, sphere_sets.back()), sphere_sets.back().all.front().id,
-           where.first, where.second == 0);
+           where.first);
   }
   for (auto& [number, group] : groups) commit(group.scene, stop);
   attach_instances();
-  if (rest != nullptr) commit(rest, stop);
-  build_tree(group_of_shape, stop);
-}
-
-void EmbreeScene::build_tree(const std::vector<std::uint32_t>& group_of_shape,
-                             const std::stop_token& stop) {
-  std::vector<std::uint32_t> surfaces;
-  for (std::uint32_t i = 0; i < shapes.size(); ++i) {
-    if (group_of_shape[i] == 0 && Tree::can_hold(shapes[i])) surfaces.push_back(i);
-  }
-  std::vector<Tree::InstanceBox> boxes;
-  for (const EmbreeInstances::One& one : instances_in_groups) {
-    if (Tree::can_hold(*one.instance)) boxes.push_back({one.index, bounds_of(one, 0)});
-  }
-  std::size_t count = boxes.size();
-  for (const Shape& shape : shapes) count += primitive_count(shape);
-  is_small = count <= kSmall;
-  if (surfaces.empty() && boxes.empty()) return;
-  tree = std::make_unique<Tree>(device_, shapes, surfaces, boxes, stop);
-}
-
-RTCScene EmbreeScene::everything() const {
-  std::call_once(committed_, [&] { commit(scene_, {}); });
-  return scene_;
-}
-
-void EmbreeScene::attach(RTCGeometry geometry, unsigned id, RTCScene to, bool is_in_tree) {
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometryByID(to, geometry, id);
-  if (to == scene_ && !is_in_tree) {
-    if (rest == nullptr) rest = new_scene();
-    rtcAttachGeometryByID(rest, geometry, id);
-  }
-  rtcReleaseGeometry(geometry);
+  commit(scene, stop);
 }
 
 RTCScene EmbreeScene::new_scene() const {
@@ -150,19 +118,17 @@ void EmbreeScene::attach_instances() {
     const auto group = groups.find(instances[i].group());
     if (group == groups.end()) throw std::invalid_argument("an instance of an empty group");
     instance_surfaces.push_back(&group->second.surfaces);
-    instances_in_groups.push_back({&instances[i], group->second.scene, i});
-    by_time_steps[instances[i].time_steps()].all.push_back(instances_in_groups.back());
+    by_time_steps[instances[i].time_steps()].all.push_back({&instances[i], group->second.scene, i});
   }
   auto id = static_cast<unsigned>(shapes.size());
   for (auto& [time_steps, same] : by_time_steps) {
     instance_sets.push_back(std::move(same));
-    attach(new_geometry(device_, instance_sets.back()), id++, scene_, time_steps == 1);
+    attach(new_geometry(device_, instance_sets.back()), id++, scene);
   }
 }
 
 void EmbreeScene::release() {
-  if (scene_ != nullptr) rtcReleaseScene(scene_);
-  if (rest != nullptr) rtcReleaseScene(rest);
+  if (scene != nullptr) rtcReleaseScene(scene);
   for (auto& [number, group] : groups) rtcReleaseScene(group.scene);
   rtcReleaseDevice(device_);
 }

@@ -1,5 +1,4 @@
-// The scene's shapes as they are searched for: shapes at rest in the worker's tree, all others
-// in Embree's; and all of them once more in Embree's for searches in exact order.
+// The scene's shapes as Embree searches for them.
 #pragma once
 
 #include <embree3/rtcore.h>
@@ -8,8 +7,6 @@
 #include <limits>
 #include <list>
 #include <map>
-#include <memory>
-#include <mutex>
 #include <stop_token>
 #include <variant>
 #include <vector>
@@ -21,7 +18,6 @@
 #include "surfaces/instance.h"
 #include "surfaces/locate.h"
 #include "surfaces/shapes.h"
-#include "surfaces/tree.h"
 
 namespace nocturne {
 
@@ -74,32 +70,19 @@ struct EmbreeScene {
   std::list<EmbreeInstances> instance_sets;
   std::map<std::uint32_t, Group> groups;
   std::vector<const std::vector<std::uint32_t>*> instance_surfaces;  // by instance
-  std::vector<EmbreeInstances::One> instances_in_groups;             // by instance
   std::vector<CloseSurface> close;                                   // by surface
   float largest_reach = 0.0f;
-  /// The shapes at rest, those in no group, and instances; null where there are none.
-  std::unique_ptr<Tree> tree;
-  /// All else; null where the tree holds everything.
-  RTCScene rest = nullptr;
-
-  /// So few shapes and triangles that packets of rays which lie together are faster in Embree.
-  bool is_small = false;
-
-  /// For searches in exact order and for packets, built when it is first asked for.
-  RTCScene everything() const;
+  /// Of all shapes in no group and all instances.
+  RTCScene scene = nullptr;
 
  private:
   void build(const std::vector<std::uint32_t>& group_of_shape, const std::stop_token& stop);
   RTCScene new_scene() const;
   void commit(RTCScene filled, std::stop_token stop) const;
-  void attach(RTCGeometry geometry, unsigned id, RTCScene to, bool is_in_tree);
   void attach_instances();
-  void build_tree(const std::vector<std::uint32_t>& group_of_shape, const std::stop_token& stop);
   void release();
 
   RTCDevice device_ = nullptr;
-  RTCScene scene_ = nullptr;
-  mutable std::once_flag committed_;
 };
 
 /// A single ray, as Embree takes it.

@@ -8,7 +8,6 @@
 #include "surfaces/embree_scene.h"
 #include "surfaces/exact_search.h"
 #include "surfaces/packets.h"
-#include "surfaces/tree_search.h"
 
 namespace nocturne {
 
@@ -16,23 +15,6 @@ namespace {
 
 // Rays in some array of a function's own.
 constexpr std::size_t kSome = 64;
-
-// Nearest hits of rays that start at their origins.
-void search(const EmbreeScene& scene, std::span<const TimedRay> rays,
-            std::span<std::optional<Hit>> hits) {
-  for (std::optional<Hit>& hit : hits.first(rays.size())) hit.reset();
-  if (scene.tree != nullptr) intersect_tree(scene, rays, hits);
-  if (scene.rest == nullptr) return;
-  std::array<TimedRay, kSome> nearer;
-  for (std::size_t first = 0; first < rays.size(); first += kSome) {
-    const std::size_t count = std::min(kSome, rays.size() - first);
-    for (std::size_t i = 0; i < count; ++i) {
-      nearer[i] = rays[first + i];
-      if (hits[first + i]) nearer[i].end = hits[first + i]->distance;
-    }
-    intersect_packets(scene, std::span(nearer).first(count), hits.subspan(first, count));
-  }
-}
 
 }  // namespace
 
@@ -49,17 +31,13 @@ Geometry::~Geometry() = default;
 Geometry::Geometry(Geometry&&) noexcept = default;
 
 Geometry::Ball Geometry::bounds() const {
-  const EmbreeScene& all = *embree_;
-  if (all.rest == nullptr && all.tree == nullptr) return {};
+  if (embree_->shapes.empty() && embree_->instances.empty()) return {};
+  RTCLinearBounds all;
+  rtcGetSceneLinearBounds(embree_->scene, &all);
   Box box;
-  if (all.rest != nullptr) {
-    RTCLinearBounds rest;
-    rtcGetSceneLinearBounds(all.rest, &rest);
-    for (const RTCBounds& b : {rest.bounds0, rest.bounds1}) {
-      box.add({{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}});
-    }
+  for (const RTCBounds& b : {all.bounds0, all.bounds1}) {
+    box.add({{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}});
   }
-  if (all.tree != nullptr) box.add({all.tree->low, all.tree->high});
   // A little more, so that nothing touches it.
   return {box.middle(), 0.5005f * length(box.high - box.low)};
 }
@@ -70,20 +48,19 @@ void Geometry::set_close(std::vector<CloseSurface> close) {
     embree_->largest_reach = std::max(embree_->largest_reach, each.reach);
   }
   embree_->close = std::move(close);
-  if (any_close()) embree_->everything();
 }
 const CloseSurface& Geometry::close(std::uint32_t surface) const { return embree_->close[surface]; }
 bool Geometry::any_close() const { return embree_->largest_reach > 0.0f; }
 
 void Geometry::intersect(std::span<const TimedRay> rays, std::span<std::optional<Hit>> hits) const {
-  if (!any_close()) return search(*embree_, rays, hits);
+  if (!any_close()) return intersect_packets(*embree_, rays, hits);
   // Those that depart exactly are searched for one by one, the others together.
   std::array<TimedRay, kSome> others;
   std::array<std::size_t, kSome> places;
   std::array<std::optional<Hit>, kSome> found;
   std::size_t waiting = 0;
   const auto search_others = [&] {
-    search(*embree_, std::span(others).first(waiting), found);
+    intersect_packets(*embree_, std::span(others).first(waiting), found);
     for (std::size_t i = 0; i < waiting; ++i) hits[places[i]] = found[i];
     waiting = 0;
   };
@@ -102,17 +79,13 @@ void Geometry::intersect(std::span<const TimedRay> rays, std::span<std::optional
 void Geometry::occluded(std::span<const TimedRay> rays, std::span<std::uint8_t> blocked,
                         Ways ways) const {
   std::fill_n(blocked.begin(), rays.size(), std::uint8_t{0});
-  if (ways == Ways::kTogether && embree_->is_small) {
-    return occluded_packets(embree_->everything(), rays, blocked, ways);
-  }
-  if (embree_->tree != nullptr) occluded_tree(*embree_, rays, blocked);
-  if (embree_->rest != nullptr) occluded_packets(embree_->rest, rays, blocked, ways);
+  occluded_packets(embree_->scene, rays, blocked, ways);
 }
 
 std::optional<Hit> Geometry::intersect(const Ray& ray, float time) const {
   const TimedRay one{ray, time};
   std::optional<Hit> hit;
-  search(*embree_, std::span(&one, 1), std::span(&hit, 1));
+  intersect_packets(*embree_, std::span(&one, 1), std::span(&hit, 1));
   return hit;
 }
 

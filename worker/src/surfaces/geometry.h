@@ -1,6 +1,5 @@
-// The scene's shapes in bounding volume hierarchies: the worker's tree for shapes at rest
-// (tree_search), Embree's for what moves (packets) and for exact order (exact_search). Embree is
-// known in this folder alone.
+// The scene's shapes in Embree's bounding volume hierarchy: rays in packets (packets), and one by
+// one where surfaces are met in exact order (exact_search). Embree is known in this folder alone.
 #pragma once
 
 #include <cstdint>

@@ -81,8 +81,9 @@ void intersect_packets(const EmbreeScene& scene, std::span<const TimedRay> rays,
       query.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
       query.hit.instID[0][i] = RTC_INVALID_GEOMETRY_ID;
     }
-    rtcIntersect8(valid.data(), scene.rest, &context, &query);
+    rtcIntersect8(valid.data(), scene.scene, &context, &query);
     for (std::size_t i = 0; i < some.size(); ++i) {
+      hits[first + i].reset();
       if (query.hit.geomID[i] == RTC_INVALID_GEOMETRY_ID) continue;
       hits[first + i].emplace(InPlace{[&] {
         return scene.located(some[i].ray.origin, some[i].ray.direction, some[i].time,

@@ -15,12 +15,11 @@ namespace nocturne {
 /// Rays in a packet.
 inline constexpr std::size_t kPacket = 8;
 
-/// Of rays that start at their origins: hits in `rest` that are nearer than the rays' ends. Where
-/// there are none, `hits` stays as it is.
+/// Of rays that start at their origins: the nearest hits before the rays' ends.
 void intersect_packets(const EmbreeScene& scene, std::span<const TimedRay> rays,
                        std::span<std::optional<Hit>> hits);
 
-/// Sets to 1 the rays that are blocked by one of Embree's trees; see Geometry::occluded.
+/// Sets to 1 the rays that are blocked by anything in the scene; see Geometry::occluded.
 void occluded_packets(RTCScene in, std::span<const TimedRay> rays, std::span<std::uint8_t> blocked,
                       Ways ways);
 
