@@ -5,10 +5,18 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from nocturne_client.changes import changed, parse_bands, parse_change
-from nocturne_client.cli.additions import changes_of, layer_names
+from nocturne_client.cli.additions import (
+    changes_of,
+    layer_names,
+    parse_bands,
+    parse_change,
+    parse_frames,
+    parse_variants,
+)
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.compiled import compile_to
+from nocturne_scene.document.changes import changed
+from nocturne_scene.errors import InputError
 
 DOCUMENT: dict[str, Any] = {"sensor": {"position": [0, 0, 4]}, "surfaces": [{"kernel": {"reflectance": 0.5}}]}
 
@@ -30,10 +38,30 @@ def test_put_a_value_in_its_place(text: str, way: tuple[str | int, ...], value: 
     assert DOCUMENT["sensor"] == {"position": [0, 0, 4]}
 
 
-@pytest.mark.parametrize("text", ["sensor", "=3", "surfaces[4].kernel=1", "sensor[0]=1", "a b!=1"])
-def test_of_no_place_are_told(text: str) -> None:
+@pytest.mark.parametrize("text", ["sensor", "=3"])
+def test_without_a_place_are_told(text: str) -> None:
     with pytest.raises(NocturneClientError):
-        changed(DOCUMENT, dict([parse_change(text)]))
+        parse_change(text)
+
+
+@pytest.mark.parametrize("place", ["surfaces[4].kernel", "sensor[0]", "a b!", "", "sensor.position.x"])
+def test_of_no_place_are_told(place: str) -> None:
+    with pytest.raises(InputError) as refused:
+        changed(DOCUMENT, {place: 1})
+    assert [each.place for each in refused.value.problems] == [place]
+
+
+def test_variants_are_values_between_commas() -> None:
+    assert parse_variants("tracing.seed=1,2") == ("tracing.seed", [1, 2])
+    assert parse_variants("a.reflectance=0.2, white") == ("a.reflectance", [0.2, "white"])
+    assert parse_variants("sensor.look_at=[0, 0, 0], [1, 0, 0]") == ("sensor.look_at", [[0, 0, 0], [1, 0, 0]])
+
+
+@pytest.mark.parametrize("text", ["1", "a-b", "-1-2"])
+def test_frames_that_are_none_are_told(text: str) -> None:
+    assert parse_frames("8-12") == (8, 12)
+    with pytest.raises(NocturneClientError, match="expected FIRST-LAST"):
+        parse_frames(text)
 
 
 def test_bands_are_the_sensors() -> None:

@@ -184,7 +184,7 @@ async def test_a_scene_whose_files_went_meanwhile_is_compiled_again(
         "triangles": [[0, 1, 2]],
     }
     first = await ended(rest, folder, body, "a")
-    create = Renders.create
+    create_all = Renders.create_all
     refused: list[FilesGone] = []
 
     def late(self: Renders, new: Any, quota: Any) -> Any:
@@ -192,12 +192,12 @@ async def test_a_scene_whose_files_went_meanwhile_is_compiled_again(
             delete_render(folder, first)
             sweep(folder)
         try:
-            return create(self, new, quota)
+            return create_all(self, new, quota)
         except FilesGone as gone:
             refused.append(gone)
             raise
 
-    monkeypatch.setattr(Renders, "create", late)
+    monkeypatch.setattr(Renders, "create_all", late)
     answer = await rest.post("/v1/renders", json={**body, "request_id": "b"})
     assert answer.status_code == 201, answer.text
     assert len(refused) == 1

@@ -7,13 +7,14 @@ from typing import Any
 
 import httpx
 import pytest
+from nocturne_api.models.render_requests import CreateGroupRequest
+from nocturne_api.operations.group_members import Member, Members
 from nocturne_api.service import Service
 from nocturne_client.cli.app import app
-from nocturne_client.errors import NocturneClientError
-from nocturne_client.sequences import members_of
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.ledger import Ledger
 from nocturne_coordinator.store.ownership import Ownership
+from nocturne_scene.errors import InputError
 from typer.testing import CliRunner
 
 from tests.services import coordinator_acts
@@ -70,56 +71,113 @@ async def test_a_group_can_not_wait_for_itself(rest: httpx.AsyncClient, body: di
     assert [each["place"] for each in answer.json()["problems"]] == ["$.after"]
 
 
-def test_frames_go_evenly_from_the_first_to_the_last(tmp_path: Path) -> None:
+def members_of(**asked: Any) -> list[Member]:
+    common = {"request_id": "a", "scene": {"name": "Room"}, "width": 8, "height": 8, "samples": 4}
+    return [*Members(CreateGroupRequest.model_validate({**common, **asked}))]
+
+
+def test_frames_go_evenly_from_the_first_to_the_last() -> None:
     changes = {"sensor.position[0]": "0..2", "tracing.seed": 7}
-    members = members_of(tmp_path / "room.json", changes, "8-12", [])
+    members = members_of(changes=changes, frames={"first": 8, "last": 12})
     assert [member.name for member in members] == ["08", "09", "10", "11", "12"]
     assert [member.changes["sensor.position[0]"] for member in members] == [0.0, 0.5, 1.0, 1.5, 2.0]
     assert {member.changes["tracing.seed"] for member in members} == {7}
 
 
-@pytest.mark.parametrize("frames", ["5-5", "0-0"])
-def test_one_frame_has_the_first_value(tmp_path: Path, frames: str) -> None:
+@pytest.mark.parametrize("frame", [5, 0])
+def test_one_frame_has_the_first_value(frame: int) -> None:
     """https://github.com/AcademySoftwareFoundation/OpenCue/issues/1129: one frame is a render, too."""
-    [member] = members_of(tmp_path / "room.json", {"sensor.position[0]": "0..1"}, frames, [])
+    [member] = members_of(changes={"sensor.position[0]": "0..1"}, frames={"first": frame, "last": frame})
     assert member.changes == {"sensor.position[0]": 0.0}
-    assert member.name == frames[0]
+    assert (member.name, member.request_id) == (str(frame), "a")
 
 
-def test_names_of_variants_are_short(tmp_path: Path) -> None:
+def variations(**varied: list[Any]) -> list[dict[str, Any]]:
+    return [{"place": place.replace("__", "."), "values": values} for place, values in varied.items()]
+
+
+def test_names_of_variants_are_short() -> None:
     """Of a part of a scene its name or type, with a number where several have the same."""
-    sensors = '{"type":"panorama","position":[0,0,0]},{"type":"pinhole"},{"type":"pinhole","name":"door"}'
-    more = '{"type":"pinhole","look_at":[1,0,0]}'
-    members = members_of(tmp_path / "room.json", {}, "", [f"sensor={sensors},{more}"])
+    sensors = [{"type": "panorama"}, {"type": "pinhole"}, {"type": "pinhole", "name": "door"}]
+    members = members_of(varied=variations(sensor=[*sensors, {"type": "pinhole", "look_at": [1, 0, 0]}]))
     assert [member.name for member in members] == [
         "sensor=panorama",
         "sensor=pinhole 2",
         "sensor=door",
         "sensor=pinhole 4",
     ]
-    look_at = members_of(tmp_path / "room.json", {}, "", ["sensor.look_at=[0, 0, 0],[1.5, 0, 0]"])
+    look_at = members_of(varied=variations(sensor__look_at=[[0, 0, 0], [1.5, 0, 0]]))
     assert [member.name for member in look_at] == ["look_at=[0,0,0]", "look_at=[1.5,0,0]"]
-    flags = members_of(tmp_path / "room.json", {}, "", [f"a.two_sided=true,{'x' * 100}"])
+    flags = members_of(varied=variations(a__two_sided=[True, "x" * 100]))
     assert [member.name for member in flags] == ["two_sided=true", f"two_sided={'x' * 39}\u2026"]
-    numbered = members_of(tmp_path / "room.json", {}, "", [f"a.b=[{'1,' * 50}1],[{'1,' * 50}2]"])
+    numbered = members_of(varied=variations(a__b=[[1] * 50, [1] * 51]))
     assert len({member.name for member in numbered}) == 2
 
 
-def test_variants_are_all_that_can_be(tmp_path: Path) -> None:
-    varied = ["tracing.seed=1,2", "surfaces[0].kernel.reflectance=0.2,white"]
-    members = members_of(tmp_path / "room.json", {}, "", varied)
-    assert [member.name for member in members] == [
-        "seed=1 reflectance=0.2",
-        "seed=1 reflectance=white",
-        "seed=2 reflectance=0.2",
-        "seed=2 reflectance=white",
+def test_variants_are_all_that_can_be() -> None:
+    varied = [
+        {"place": "tracing.seed", "values": [1, 2]},
+        {"place": "surfaces[0].kernel.reflectance", "values": [0.2, "white"]},
+    ]
+    members = members_of(varied=varied)
+    assert [(member.name, member.request_id) for member in members] == [
+        ("seed=1 reflectance=0.2", "a/0"),
+        ("seed=1 reflectance=white", "a/1"),
+        ("seed=2 reflectance=0.2", "a/2"),
+        ("seed=2 reflectance=white", "a/3"),
     ]
     assert members[1].changes == {"tracing.seed": 1, "surfaces[0].kernel.reflectance": "white"}
 
 
-def test_values_may_be_any_json(tmp_path: Path) -> None:
-    members = members_of(tmp_path / "room.json", {}, "", ["sensor.look_at=[0, 0, 0], [1, 0, 0]"])
-    assert [member.changes["sensor.look_at"] for member in members] == [[0, 0, 0], [1, 0, 0]]
+def test_one_scene_alone_is_no_group() -> None:
+    [member] = members_of(changes={"tracing.seed": "1..2"})
+    assert (member.name, member.request_id, member.changes) == ("", "a", {"tracing.seed": "1..2"})
+
+
+@pytest.mark.parametrize(
+    ("more", "place", "message"),
+    [
+        ({"frames": {"first": 12, "last": 8}}, "$.frames", "ends before it begins"),
+        ({"frames": {"first": 1, "last": 999_999_999}}, "$", "999999999 renders, which are too many"),
+        ({"varied": [{"place": "a", "values": [0] * 200}] * 2}, "$", "40000 renders, which are too many"),
+        ({"frames": {"first": 1, "last": 1000}, "scene": {"name": "x" * 2**20}}, "$.scene", "have 1000 MiB"),
+    ],
+)
+def test_too_many_are_told_before_any_is_made(more: dict[str, Any], place: str, message: str) -> None:
+    with pytest.raises(InputError, match=message) as refused:
+        members_of(**more)
+    assert [each.place for each in refused.value.problems] == [place]
+
+
+async def create_group(rest: httpx.AsyncClient, body: dict[str, Any], **more: Any) -> httpx.Response:
+    frames = {"first": 1, "last": 3}
+    asked = {"name": "Room", "changes": {"sensor.position[0]": "0..1"}, "frames": frames}
+    return await rest.post("/v1/groups", json={**body, **asked, **more})
+
+
+async def test_a_group_is_made_once(rest: httpx.AsyncClient, body: dict[str, Any]) -> None:
+    answers = [await create_group(rest, body) for _ in range(2)]
+    assert [each.status_code for each in answers] == [201, 201]
+    first, again = (each.json() for each in answers)
+    assert [each["id"] for each in first["renders"]] == [each["id"] for each in again["renders"]]
+    assert [each["name"] for each in first["renders"]] == ["Room 1", "Room 2", "Room 3"]
+    assert {each["group"] for each in first["renders"]} == {first["name"]}
+    assert first["name"].startswith("Room ")
+    assert len((await rest.get("/v1/renders")).json()["renders"]) == 3
+    other = await create_group(rest, body, changes={"sensor.position[0]": "0..2"})
+    assert other.status_code == 409
+
+
+async def test_a_group_is_made_whole_or_not_at_all(rest: httpx.AsyncClient, body: dict[str, Any]) -> None:
+    """Which render is wrong is said, and where."""
+    varied = [{"place": "sensor.position[1]", "values": [0, "high"]}]
+    answer = await create_group(rest, body, frames=None, changes={}, varied=varied)
+    assert answer.status_code == 422
+    assert [each["place"] for each in answer.json()["problems"]] == ["position[1]=high: $.sensor.position[1]"]
+    elsewhere = [{"place": "surfaces[9].kernel", "values": [0, 1]}]
+    answer = await create_group(rest, body, frames=None, changes={}, varied=elsewhere)
+    assert [each["place"] for each in answer.json()["problems"]] == ["kernel=0: surfaces[9].kernel"]
+    assert (await rest.get("/v1/renders")).json()["renders"] == []
 
 
 async def test_the_command_submits_a_group_and_tells_of_it(
@@ -158,23 +216,6 @@ async def run(service: Service, *words: str) -> str:
     return result.stdout
 
 
-def test_a_folder_has_its_documents(tmp_path: Path) -> None:
-    for name in ("b", "a"):
-        (tmp_path / f"{name}.json").write_text(json.dumps({}))
-    assert [member.name for member in members_of(tmp_path, {}, "", [])] == ["a", "b"]
-
-
-def test_one_scene_alone_is_no_group(tmp_path: Path) -> None:
-    [member] = members_of(tmp_path / "room.json", {"tracing.seed": "1..2"}, "", [])
-    assert (member.name, member.changes) == ("", {"tracing.seed": "1..2"})
-
-
-@pytest.mark.parametrize("frames", ["12-8", "1", "1-100000", "a-b"])
-def test_frames_that_are_none_are_told(frames: str, tmp_path: Path) -> None:
-    with pytest.raises(NocturneClientError):
-        members_of(tmp_path / "room.json", {}, frames, [])
-
-
 def test_an_empty_folder_is_told(tmp_path: Path) -> None:
-    with pytest.raises(NocturneClientError, match="no scene documents"):
-        members_of(tmp_path, {}, "", [])
+    result = CliRunner().invoke(app, ["submit", str(tmp_path)])
+    assert "no scene documents" in result.output + str(result.exception)

@@ -39,6 +39,7 @@ _SHA256 = hashlib.sha256(_DATA).hexdigest()
 # For each route that changes something: the body of a call, and the name in its record.
 _CALLS: dict[tuple[str, str], tuple[Any, str]] = {
     ("POST", "/v1/renders"): ("body", "create"),
+    ("POST", "/v1/groups"): ("body", "create"),
     ("POST", "/v1/renders/{render_id}:cancel"): ({}, "cancel"),
     ("DELETE", "/v1/renders/{render_id}"): (b"", "delete"),
     ("POST", "/v1/renders/{render_id}:pause"): ({}, "pause"),

@@ -7,7 +7,7 @@ import secrets
 import sqlite3
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import fields
 from pathlib import Path
 
@@ -47,27 +47,34 @@ class Renders:
         self._blob_here = blob_here
 
     def create(self, new: NewRender, quota: Quota = NO_QUOTA) -> RenderRow:
-        """Queues a render; the same request of the same owner again gives the render made before.
+        """As `create_all`, of one render."""
+        return self.create_all([new], quota)[0]
 
-        Raises InputError for a bad request id or name, Conflict if the owner used the id with other content,
-        FilesGone if a file of the scene is not there any more, QuotaUsedUp if the owner would have too much.
+    def create_all(self, news: Sequence[NewRender], quota: Quota = NO_QUOTA) -> list[RenderRow]:
+        """Queues an owner's renders, all or none; the same requests again give the renders made before.
+
+        Raises InputError for a bad request id or name, Conflict if the owner used an id with other content,
+        FilesGone if a file of a scene is not there any more, QuotaUsedUp if the owner would have too much.
         """
-        _check_texts(new)
-        digest = _request_digest(new)
+        for new in news:
+            _check_texts(new)
         with self._database.transaction():
-            before = self._database.row(
-                "SELECT id, request_digest FROM render WHERE owner = ? AND request_id = ?",
-                (new.owner, new.request_id),
-            )
-            if before is None:
-                made = self.get(self._insert(new, digest))
-                check_quota(self._database, new.owner, quota)
-                return made
-            if before["request_digest"] != digest:
-                raise Conflict(f"request_id {new.request_id!r} was used before with other content")
-            return self.get(before["id"])
+            before = [self._made_before(new) for new in news]
+            made = [known or self._insert(new) for known, new in zip(before, news, strict=True)]
+            if None in before:
+                check_quota(self._database, news[0].owner, quota)
+            return [self.get(render_id) for render_id in made]
 
-    def _insert(self, new: NewRender, digest: str) -> str:
+    def _made_before(self, new: NewRender) -> str | None:
+        before = self._database.row(
+            "SELECT id, request_digest FROM render WHERE owner = ? AND request_id = ?",
+            (new.owner, new.request_id),
+        )
+        if before is not None and before["request_digest"] != _request_digest(new):
+            raise Conflict(f"request_id {new.request_id!r} was used before with other content")
+        return None if before is None else str(before["id"])
+
+    def _insert(self, new: NewRender) -> str:
         render_id = _new_id()
         tiles = TileGrid.of(new.schedule).count
         if any(self._blob_here(sha256) is None for sha256 in new.files):
@@ -84,7 +91,7 @@ class Renders:
             (
                 render_id,
                 new.request_id,
-                digest,
+                _request_digest(new),
                 new.name,
                 new.width,
                 new.height,

@@ -19,6 +19,11 @@ COMPILES_WAITING = 16
 # Of those, one owner's: the others' places are for others.
 COMPILES_WAITING_OF_OWNER = 8
 
+# Renders of one group request, and bytes of all their documents together: those are in memory until all are
+# compiled.
+GROUP_RENDERS = 10_000
+GROUP_BYTES = 512 * MEBIBYTE
+
 # A preflight renders small images on this machine: one at a time, with so much processor time at most,
 # seconds.
 PREFLIGHT_BUDGET_S = 120.0

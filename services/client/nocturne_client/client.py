@@ -16,7 +16,6 @@ from urllib.parse import quote
 import httpx
 from httpx_sse import EventSource
 
-from nocturne_client.changes import changed
 from nocturne_client.decoding import decode
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.import_files import files_of_import
@@ -66,6 +65,8 @@ _WATCH_TIMEOUT = httpx.Timeout(40.0, connect=5.0)
 _WATCH_DELAYS_S = (*RETRY_DELAYS_S, *([2.0] * 10), *([5.0] * 60))
 # A preflight's small renders; the service ends it before that.
 _PREFLIGHT_TIMEOUT = httpx.Timeout(1000.0, connect=5.0)
+# All scenes of a group are compiled before the answer.
+_GROUP_TIMEOUT = httpx.Timeout(7200.0, connect=5.0)
 _PIECE_BYTES = 1024 * 1024
 
 
@@ -131,41 +132,64 @@ class Client:
         group: str = "",
         after: str = "",
         tags: Sequence[str] = (),
-        member: str = "",
     ) -> Render:
         """Uploads what the scene document at `scene` names and the service lacks, and starts a render.
 
         `scene` may be a document itself, as imports give it: the service has its files.
-        Film in pixels, at most `samples` per pixel. `stop`: what else ends it, whichever comes first, of
+        Film in pixels, at most `samples` per pixel. `name`: else the document's own, else the file's.
+        `stop`: what else ends it, whichever comes first, of
         relative_error, tile_relative_error, wall_seconds, cpu_seconds, until ("07:00 Europe/Berlin").
         `changes` of the document: values by their places, such as `sensor.position[0]`.
         `layers`: what the EXR is to tell of surfaces, of albedo, normal, depth, position, object, material,
         emission.
         Renders with the same `group` are one; `after`: a group that has to end before this render begins.
         `tags`: words to sort renders by. Submitting again with the same `request_id` gives the same render.
-        `name`: else the document's own, else the file's; `member`, what tells it from others, comes after it.
         """
+        settings: dict[str, Any] = {
+            "stop": dict(stop or {}),
+            "changes": dict(changes or {}),
+            "layers": [*layers],
+        }
+        settings |= {"priority": priority, "group": group, "after": after, "tags": [*tags]}
+        return self.submit_group(scene, width, height, samples, name, request_id, progress, **settings)[0]
+
+    def submit_group(
+        self,
+        scene: Path | Mapping[str, Any],
+        width: int,
+        height: int,
+        samples: int,
+        name: str = "",
+        request_id: str | None = None,
+        progress: UploadProgress | None = None,
+        varied: Sequence[tuple[str, Sequence[Any]]] = (),
+        frames: tuple[int, int] | None = None,
+        member: str = "",
+        **settings: Any,
+    ) -> Sequence[Render]:
+        """A render in every combination of `varied`, places and their values, and in every frame from the
+        first to the last; all of them or none. All else, `settings` too, is as in `submit`.
+
+        In frames a change to a text such as `-1..1` goes evenly from the first frame to the last. `member`:
+        what tells the scene from others of its group, comes after the name.
+        """
+        document: Mapping[str, Any] | Path = scene
         if isinstance(scene, Path):
             on_disk = self._uploaded(scene, progress)
-            # Members of a folder are named by their files already.
-            file = "" if member.startswith(scene.stem) else scene.stem
-        else:
-            on_disk, file = SceneOnDisk(dict(scene), {}), ""
+            document, name = on_disk.document, name or on_disk.name or ("" if member else scene.stem)
         body = {
             "request_id": request_id or str(uuid.uuid4()),
-            "name": f"{name or on_disk.name or file} {member}".strip(),
-            "scene": changed(on_disk.document, changes or {}),
+            "name": f"{name} {member}".strip(),
+            "scene": document,
             "width": width,
             "height": height,
             "samples": samples,
-            "stop": dict(stop or {}),
-            "priority": priority,
-            "layers": [*layers],
-            "group": group,
-            "after": after,
-            "tags": [*tags],
+            "varied": [{"place": place, "values": values} for place, values in varied],
+            "frames": frames and dict(zip(("first", "last"), frames, strict=True)),
+            **settings,
         }
-        return decode(Render, self._transport.post("/v1/renders", body))
+        call = partial(self._transport.send_json, "POST", "/v1/groups", body, timeout=_GROUP_TIMEOUT)
+        return [decode(Render, each) for each in self._transport.retrying(call)["renders"]]
 
     def import_scene(
         self,

@@ -37,6 +37,14 @@ CREATE_RENDER: dict[str, Any] = {
     "tags": ["lobby"],
 }
 
+CREATE_GROUP: dict[str, Any] = {
+    **{name: value for name, value in CREATE_RENDER.items() if name != "layers"},
+    "request_id": "film-1",
+    "changes": {"sensor.position[0]": "-1..1"},
+    "varied": [{"place": "tracing.seed", "values": [1, 2]}],
+    "frames": {"first": 1, "last": 24},
+}
+
 USAGE: dict[str, Any] = {
     "core_hour_price": 0.04,
     "currency": "EUR",

@@ -4,6 +4,7 @@ from typing import Annotated, Any
 
 from pydantic import ConfigDict, Field
 
+from nocturne_api.limits import GROUP_RENDERS
 from nocturne_api.models import examples
 from nocturne_api.models.base import RequestBody, SchemaOf
 from nocturne_api.models.scenes import Scene
@@ -58,6 +59,41 @@ class CreateRenderRequest(RequestBody):
         default="", description="A group that has to end before this render begins. One without renders has."
     )
     tags: list[str] = Field(default_factory=list, description=TAGS)
+
+
+class Variation(RequestBody):
+    """A place of the scene, and the values that it has in turn."""
+
+    place: str = Field(description="Such as `tracing.seed`.")
+    values: list[Any] = Field(min_length=1, description="Any JSON; whole sensors are views of the scene.")
+
+
+class FrameRange(RequestBody):
+    """Numbers of frames, both included."""
+
+    first: int = Field(ge=0, le=999_999_999)
+    last: int = Field(ge=0, le=999_999_999)
+
+
+class CreateGroupRequest(CreateRenderRequest):
+    """One scene as many renders: one for each frame of every combination of its variations.
+
+    All are made, or none. Each is compiled, traced and stopped by itself, and named by the name given and its
+    values and frame. Where there is more than one and no group is named, the group gets the name and six
+    letters that follow from the request id.
+    """
+
+    model_config = ConfigDict(json_schema_extra={"examples": [examples.CREATE_GROUP]})
+
+    changes: dict[str, Any] = Field(
+        default_factory=dict,
+        description="Values by their places in the scene, in all renders. In frames a text such as `-1..1` "
+        "stands for numbers evenly from the first frame to the last.",
+    )
+    varied: list[Variation] = Field(default_factory=list, description="All combinations are made.")
+    frames: FrameRange | None = Field(
+        default=None, description=f"Frames and variations make at most {GROUP_RENDERS:,} renders."
+    )
 
 
 class RenderActionRequest(RequestBody):

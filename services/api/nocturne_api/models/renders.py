@@ -279,6 +279,15 @@ class Convergence(Answer):
     points: list[ConvergencePoint]
 
 
+class NewGroup(Answer):
+    """What one request made."""
+
+    name: str = Field(description="Of the group; empty where there is one render that nobody gave a group.")
+    renders: list[Render] = Field(
+        description="In the order of variations, the last one fastest, then frames."
+    )
+
+
 class Group(Answer):
     """All renders of a group together."""
 

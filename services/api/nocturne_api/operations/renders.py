@@ -3,11 +3,12 @@
 import asyncio
 import time
 from collections import Counter
-from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager, suppress
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 
 from nocturne_coordinator.errors import FilesGone
 from nocturne_coordinator.store.groups import Groups as GroupRows
+from nocturne_coordinator.store.quotas import Quota, check_quota
 from nocturne_coordinator.store.removal import delete_render
 from nocturne_coordinator.store.rows import RenderRow
 from nocturne_scene.errors import NotFound
@@ -19,21 +20,23 @@ from nocturne_api.background.space import Space
 from nocturne_api.background.sweeper import Sweeper
 from nocturne_api.compiling.pool import CompileLimits
 from nocturne_api.errors import Overloaded, TooMany
-from nocturne_api.models.render_requests import CreateRenderRequest
+from nocturne_api.models.render_requests import CreateGroupRequest, CreateRenderRequest
 from nocturne_api.models.renders import (
     Baselines,
     Convergence,
     ConvergencePoint,
     Explanation,
     Group,
+    NewGroup,
     Render,
     RenderPage,
     TileInProgress,
     TilesInProgress,
 )
 from nocturne_api.operations.folder_access import FolderAccess
+from nocturne_api.operations.group_members import Member, Members
 from nocturne_api.operations.status_reason import sentence, situation_of
-from nocturne_api.operations.submission import compiled, raise_if, request_id_problems
+from nocturne_api.operations.submission import compiled_member, raise_if, request_id_problems
 
 
 class Renders:
@@ -62,15 +65,33 @@ class Renders:
         QuotaUsedUp or FolderFull where it or all would have too much, Overloaded or TooMany where too many
         scenes wait to be compiled. A failed call leaves nothing behind.
         """
+        [created] = await self._create(request)
+        return created
+
+    async def create_group(self, request: CreateGroupRequest) -> NewGroup:
+        """Makes all renders of a group, or none; gives back those made before with this request id.
+
+        Raises as `create`; a problem names the render that has it.
+        """
+        renders = await self._create(request)
+        return NewGroup(name=renders[0].group, renders=[*renders])
+
+    async def _create(self, request: CreateRenderRequest) -> Sequence[Render]:
         async with self._access.recorded("create", request_id=request.request_id) as record:
             CALLER.get().need("submit")
             self._space.check()
-            async with self._compile_slot():
-                created = await self._compiled_and_created(request, CALLER.get().name)
-            record.render_id = created.id
-            if created.layers:
+            owner, quota = CALLER.get().name, self._access.quota
+            members: Members | Sequence[Member] = [Member("", request.request_id, {})]
+            if isinstance(request, CreateGroupRequest):
+                members = await asyncio.to_thread(Members, request)
+                request = members.asked
+            await self._access.in_database(self._check_quota, next(iter(members)), len(members), owner, quota)
+            with self._waiting_for_compiler():
+                created = await self._compiled_and_created(request, members, owner)
+            record.render_id = created[0].id
+            if created[0].layers:
                 self._layers_maker.wake()
-            return Render.of(created)
+            return [Render.of(row) for row in created]
 
     async def get(self, render_id: str) -> Render:
         """The render with this id, or whose id alone begins so, among those that the caller may see.
@@ -171,18 +192,28 @@ class Renders:
         found = await self._access.in_database(self._access.folder.tiles.at_work, render.id)
         return TilesInProgress(tiles=[TileInProgress(tile=tile, worker=worker) for tile, worker in found])
 
-    async def _compiled_and_created(self, request: CreateRenderRequest, owner: str) -> RenderRow:
-        folder = self._access.folder
+    def _check_quota(self, first: Member, renders: int, owner: str, quota: Quota) -> None:
+        """Before anything is compiled; who asks again gets what there is."""
+        if self._access.folder.renders.find_request(owner, first.request_id) is None:
+            check_quota(self._access.folder.database, owner, quota, more_renders=renders)
+
+    async def _compiled_and_created(
+        self, request: CreateRenderRequest, members: Members | Sequence[Member], owner: str
+    ) -> Sequence[RenderRow]:
+        access = self._access
         while True:
-            new = await asyncio.to_thread(
-                compiled, request, folder, owner, self._compile_limits, self._access.quota
-            )
+            new = []
+            for member in members:
+                # Members of several groups, and single renders, in turn.
+                async with self._compiling:
+                    asked = request, member, access.folder, owner, self._compile_limits
+                    new.append(await asyncio.to_thread(compiled_member, *asked))
             # Files that were deleted in between are made again, or found missing by the compiler.
             with suppress(FilesGone):
-                return await self._access.in_database(folder.renders.create, new, self._access.quota)
+                return await access.in_database(access.folder.renders.create_all, new, access.quota)
 
-    @asynccontextmanager
-    async def _compile_slot(self) -> AsyncIterator[None]:
+    @contextmanager
+    def _waiting_for_compiler(self) -> Iterator[None]:
         owner = CALLER.get().name
         if self._waiting.total() >= limits.COMPILES_WAITING:
             raise Overloaded(
@@ -194,8 +225,7 @@ class Renders:
             )
         self._waiting[owner] += 1
         try:
-            async with self._compiling:
-                yield
+            yield
         finally:
             self._waiting[owner] -= 1
             self._waiting += Counter()

@@ -11,7 +11,6 @@ from nocturne.v1 import job_pb2
 from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions, stop_conditions
 from nocturne_coordinator.limits import DEFAULT_PRIORITY, MAX_NAME, MAX_REQUEST_ID
 from nocturne_coordinator.store.data_folder import DataFolder
-from nocturne_coordinator.store.quotas import Quota, check_quota
 from nocturne_coordinator.store.removal import blobs_of_scene
 from nocturne_coordinator.store.renders import check_priority
 from nocturne_coordinator.store.rows import NewRender
@@ -28,18 +27,32 @@ from nocturne_scene.scene_ranges import schedule_for_scene
 
 from nocturne_api.compiling.pool import CompileLimits, compile_in_child
 from nocturne_api.models.render_requests import CreateRenderRequest
+from nocturne_api.operations.group_members import Member
 
 _T = TypeVar("_T")
 _SHA256 = re.compile("[0-9a-f]{64}")
 
 
+def compiled_member(
+    asked: CreateRenderRequest,
+    member: Member,
+    folder: DataFolder,
+    owner: str,
+    compile_limits: CompileLimits,
+) -> NewRender:
+    """A member of a group; as `compiled`, with problems that name the member."""
+    try:
+        return compiled(member.request(asked), folder, owner, compile_limits)
+    except InputError as error:
+        raise member.located(error) from None
+
+
 def compiled(
-    request: CreateRenderRequest, folder: DataFolder, owner: str, compile_limits: CompileLimits, quota: Quota
+    request: CreateRenderRequest, folder: DataFolder, owner: str, compile_limits: CompileLimits
 ) -> NewRender:
     """The render that `request` asks for, its scene compiled into the folder's blobs.
 
-    Raises InputError with all problems, and then leaves nothing behind; QuotaUsedUp, before it compiles, if
-    the owner may have no more renders. Can take seconds of processor time.
+    Raises InputError with all problems, and then leaves nothing behind. Can take seconds of processor time.
     """
     found = _Problems()
     found.add(_text_problems(request))
@@ -63,7 +76,6 @@ def compiled(
     ):
         raise InputError(found.problems)
     if before is None:
-        check_quota(folder.database, owner, quota, more_renders=1)
         check_can_make(layers)
         scene = _new_scene(document, film, folder, compile_limits)
     else:

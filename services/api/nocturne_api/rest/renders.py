@@ -11,6 +11,7 @@ from starlette.responses import Response
 from nocturne_api.errors import FolderFull, Overloaded
 from nocturne_api.limits import CREATE_BODY_BYTES, SMALL_BODY_BYTES
 from nocturne_api.models.render_requests import (
+    CreateGroupRequest,
     CreateRenderRequest,
     ExtendRenderRequest,
     LookFirstRequest,
@@ -24,6 +25,7 @@ from nocturne_api.models.renders import (
     Convergence,
     Explanation,
     Group,
+    NewGroup,
     Render,
     RenderPage,
     TilesInProgress,
@@ -114,6 +116,18 @@ async def get_tiles_in_progress(render_id: str, operations: Service) -> TilesInP
 async def get_convergence(render_id: str, operations: Service) -> Convergence:
     """The error estimate at every preview so far."""
     return await operations.renders.convergence(render_id)
+
+
+@router.post(
+    "/groups",
+    status_code=201,
+    openapi_extra=body_of(CreateGroupRequest),
+    responses=errors(Conflict, QuotaUsedUp, FolderFull, Overloaded),
+)
+async def create_group(request: Request, operations: Service) -> NewGroup:
+    """Submits a scene as many renders, frames and variants. Repeating a request_id gives back the same."""
+    body = await read_json(request, CreateGroupRequest, CREATE_BODY_BYTES)
+    return await operations.renders.create_group(body)
 
 
 @router.get("/groups/{name}", responses=errors(NotFound))

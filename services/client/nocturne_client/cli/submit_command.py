@@ -1,14 +1,23 @@
 """`nocturne submit`: one render, or a group of them."""
 
+import hashlib
 import uuid
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from nocturne_client.cli.additions import BandEdges, LayerNames, Settings, changes_of, layer_names
+from nocturne_client.cli.additions import (
+    BandEdges,
+    LayerNames,
+    Settings,
+    changes_of,
+    layer_names,
+    parse_frames,
+    parse_variants,
+)
 from nocturne_client.cli.output import AsJson, Url, print_render
 from nocturne_client.cli.scene_options import (
     DEFAULT_EDGE,
@@ -24,9 +33,8 @@ from nocturne_client.cli.watching import follow
 from nocturne_client.client import Client
 from nocturne_client.console import ERRORS
 from nocturne_client.errors import NocturneClientError
-from nocturne_client.models import Render
+from nocturne_client.models import ImportedScene, Render
 from nocturne_client.scene_files import is_of_other_renderer
-from nocturne_client.sequences import Member, members_of
 
 Frames = Annotated[
     str,
@@ -45,20 +53,6 @@ InGroup = Annotated[
 ]
 Tags = Annotated[list[str] | None, typer.Option("--tag", help="A word to sort renders by; may be repeated.")]
 After = Annotated[str, typer.Option("--after", metavar="GROUP", help="Begin when this group has ended.")]
-
-
-@dataclass(frozen=True)
-class _Wanted:
-    """What all renders of a submission have in common."""
-
-    film: tuple[int, int, int]
-    request_id: str
-    stop: Mapping[str, Any]
-    priority: int
-    layers: Sequence[str]
-    group: str
-    after: str
-    tags: Sequence[str]
 
 
 def submit(
@@ -81,7 +75,7 @@ def submit(
     ] = 0,
     layers: LayerNames = "",
     bands: BandEdges = "",
-    settings: Settings = None,
+    sets: Settings = None,
     frames: Frames = "",
     varied: Varied = None,
     group: InGroup = "",
@@ -98,56 +92,70 @@ def submit(
     A folder of scene documents, --frames and --vary make a group of renders: its name is printed first.
     """
     stop = Stops(error, tile_error, duration, cpu, until).asked()
-    members = members_of(scene, changes_of(settings, bands, layers), frames, varied or [])
-    if len(members) > 1 and not group:
-        group = f"{scene.stem} {uuid.uuid4().hex[:6]}"
+    changes, variants = changes_of(sets, bands, layers), [parse_variants(each) for each in varied or ()]
+    scenes, numbers = _scenes(scene), parse_frames(frames)
+    # Chosen here, so that it can be told if the answer does not come.
+    chosen = request_id or str(uuid.uuid4())
+    if len(scenes) > 1 and not group:
+        group = f"{scene.name} {hashlib.sha256(chosen.encode()).hexdigest()[:6]}"
+    settings = {"stop": stop, "priority": weight, "layers": layer_names(layers), "changes": changes}
+    settings |= {"group": group, "after": after, "tags": tags or []}
     with Client(url) as client:
-        document: dict[str, Any] | None = None
+        found: dict[Path, dict[str, Any]] = {}
         if is_of_other_renderer(scene):
-            imported = client.import_scene(scene, allow_missing, light, _told)
-            for note in (*imported.notes, *(f"missing: {each.message}" for each in imported.missing)):
-                ERRORS.print(note, markup=False, soft_wrap=True)
-            document, name = imported.document, name or scene.stem
+            imported = _imported(client, scene, allow_missing, light)
+            found[scene], name = imported.document, name or scene.stem
             width = imported.width if width is None else width
             height = imported.height if height is None else height
-        # 0 is refused by the service, and not taken for nothing.
-        film = DEFAULT_EDGE if width is None else width, DEFAULT_EDGE if height is None else height, samples
-        # Chosen here, so that it can be told if the answer does not come.
-        chosen = request_id or str(uuid.uuid4())
-        wanted = _Wanted(film, chosen, stop, weight, layer_names(layers), group, after, tags or [])
-        renders = _submit_all(client, members, document, name, wanted)
+        with _repeatable(chosen):
+            renders = [
+                render
+                for number, each in enumerate(scenes)
+                for render in client.submit_group(
+                    found.get(each, each),
+                    # 0 is refused by the service, and not taken for nothing.
+                    DEFAULT_EDGE if width is None else width,
+                    DEFAULT_EDGE if height is None else height,
+                    samples,
+                    name,
+                    chosen if len(scenes) == 1 else f"{chosen}/{number}",
+                    _told,
+                    variants,
+                    numbers,
+                    each.stem if len(scenes) > 1 else "",
+                    **settings,
+                )
+            ]
         _print(renders, as_json, whether_watched=then_watch)
         if then_watch:
             raise typer.Exit(max(follow(client.watch(render.id), as_json) for render in renders))
 
 
-def _submit_all(
-    client: Client, members: Sequence[Member], document: dict[str, Any] | None, name: str, wanted: _Wanted
-) -> list[Render]:
+def _imported(client: Client, scene: Path, allow_missing: bool, light: str) -> ImportedScene:
+    imported = client.import_scene(scene, allow_missing, light, _told)
+    for note in (*imported.notes, *(f"missing: {each.message}" for each in imported.missing)):
+        ERRORS.print(note, markup=False, soft_wrap=True)
+    return imported
+
+
+@contextmanager
+def _repeatable(request_id: str) -> Iterator[None]:
+    """Tells how to submit again, where that may help."""
     try:
-        return [
-            client.submit(
-                member.scene if document is None else document,
-                *wanted.film,
-                name,
-                wanted.request_id if len(members) == 1 else f"{wanted.request_id}/{index}",
-                _told,
-                wanted.stop,
-                wanted.priority,
-                wanted.layers,
-                member.changes,
-                wanted.group,
-                wanted.after,
-                wanted.tags,
-                member.name,
-            )
-            for index, member in enumerate(members)
-        ]
+        yield
     except NocturneClientError as error:
         if error.can_be_retried:
-            again = f"Submit it again with --request-id {wanted.request_id}: if it was made, you get its id."
+            again = f"Submit it again with --request-id {request_id}: if it was made, you get its id."
             ERRORS.print(again, markup=False, soft_wrap=True)
         raise
+
+
+def _scenes(scene: Path) -> list[Path]:
+    """Itself, or the documents of a folder."""
+    found = sorted(scene.glob("*.json")) if scene.is_dir() else [scene]
+    if not found:
+        raise NocturneClientError(f"{scene} has no scene documents (*.json)")
+    return found
 
 
 def _told(path: Path, sent: int, size: int) -> None:

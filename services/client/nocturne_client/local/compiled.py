@@ -1,13 +1,14 @@
 """Compiles a scene into a folder, without a service."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.compile.compiler import compile_layers, compile_scene
 from nocturne_scene.compile.layers import usual_layers
+from nocturne_scene.document.changes import changed
 from nocturne_scene.document.read import check_document
 from nocturne_scene.errors import InputError, NocturneError
 from nocturne_scene.film import Film
@@ -16,7 +17,6 @@ from nocturne_scene.ranges import make_schedule
 from nocturne_scene.render_warnings import RenderWarning
 from nocturne_scene.scene_ranges import schedule_for_scene
 
-from nocturne_client.changes import changed
 from nocturne_client.errors import NocturneClientError, Problem
 from nocturne_client.scene_files import SceneOnDisk, read_scene
 
@@ -60,16 +60,15 @@ def compile_to(
     """Writes scene.pb, schedule.pb and blobs/ into `folder`. Raises NocturneClientError with all problems.
 
     `seed` instead of the scene's own. `layers`: see `nocturne_scene.layers`; in addition, those that are
-    made without being asked for; None: none at all. `changes`: see `nocturne_client.changes`. `name`: what
-    errors call the scene; empty: its path.
+    made without being asked for; None: none at all. `changes`: see `nocturne_scene.document.changes`.
+    `name`: what errors call the scene; empty: its path.
     """
     on_disk = read_scene(scene)
     made = {**(changes or {}), **({} if seed is None else {"tracing.seed": seed})}
-    on_disk = replace(on_disk, document=changed(on_disk.document, made))
     try:
         # Problems of the film are reported before the work.
         make_schedule(width, height, samples)
-        document = check_document(on_disk.document)
+        document = check_document(changed(on_disk.document, made))
         blobs = BlobStore(folder / "blobs")
         store_files(on_disk, blobs)
         film = Film(width, height, samples)

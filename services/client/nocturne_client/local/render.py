@@ -48,7 +48,7 @@ class LocalRender:
     layers: Sequence[str] = ()
     """Names of layers in addition to those made without being asked for; see nocturne_scene.layers."""
     changes: Mapping[str, Any] = field(default_factory=dict)
-    """Of the scene document; see nocturne_client.changes."""
+    """Of the scene document; see nocturne_scene.document.changes."""
     name: str = ""
     """The scene's name for people, such as the file that was imported; empty: by its document."""
 

@@ -7,10 +7,11 @@ import type {
   Answer,
   Group,
   ConvergencePoint,
-  CreateRenderRequest,
+  CreateGroupRequest,
   ImportedScene,
   ImportRequest,
   LearnedLight,
+  NewGroup,
   PreflightReport,
   PreflightRequest,
   Problem,
@@ -44,9 +45,8 @@ export const previewAddress = (id: string, sequence?: number): string =>
 export const thumbnailAddress = (id: string, sequence: number): string => `${renderAddress(id)}/thumbnail.png?v=${sequence}`;
 export const tilesAddress = (id: string): string => `${renderAddress(id)}/tiles`;
 export const sceneAddress = (id: string): string => `${renderAddress(id)}/scene.json`;
-/** Of pictures that the service makes of the image when somebody asks. */
+/** Of its image, and of what the service makes of that when somebody asks. */
 export const derivedAddress = (id: string, name: string): string => `${renderAddress(id)}/${name}`;
-export const imageAddress = (id: string): string => `${renderAddress(id)}/image.exr`;
 
 /** `release` gives a worker in quarantine, or a drained one, jobs again; `drain` lets it finish what it has. */
 export async function changeWorker(id: string, act: "drain" | "release"): Promise<void> {
@@ -131,8 +131,8 @@ export async function storeAsset(sha256: string, content: Blob): Promise<void> {
   await getJson<"store_asset">(`/v1/assets/${sha256}`, { method: "PUT", body: content });
 }
 
-export async function createRender(request: CreateRenderRequest): Promise<Render> {
-  return getJson<"create_render">("/v1/renders", { method: "POST", body: JSON.stringify(request) });
+export async function createGroup(request: CreateGroupRequest): Promise<NewGroup> {
+  return getJson<"create_group">("/v1/groups", { method: "POST", body: JSON.stringify(request) });
 }
 
 /** What a scene needs for a relative error; takes minutes. */

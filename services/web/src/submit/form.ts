@@ -1,13 +1,13 @@
 /** What is wanted of a render: film, samples, when to stop, priority. */
 import { element } from "../dom.ts";
 import { wordsOf } from "../format.ts";
-import type { CreateRenderRequest } from "../service/types.ts";
+import type { CreateGroupRequest } from "../service/types.ts";
 import type { Wanted } from "./members.ts";
 
 export interface Asked {
   /** The same until something is changed: sending twice makes one render. */
   requestId: string;
-  request: Required<Pick<CreateRenderRequest, "name" | "width" | "height" | "samples" | "stop" | "priority" | "layers">> & Pick<CreateRenderRequest, "group" | "after" | "tags">;
+  request: Required<Pick<CreateGroupRequest, "name" | "width" | "height" | "samples" | "stop" | "priority" | "layers">> & Pick<CreateGroupRequest, "group" | "after" | "tags">;
   /** How many renders of the scene, and what is other in them. */
   wanted: Wanted;
 }
@@ -88,7 +88,7 @@ export function submitForm(onSubmit: (asked: Asked) => void, onPreflight: (asked
 
 /** From what stands in the fields. */
 export function requestOf(value: (name: string) => string, layers: string[]): Asked["request"] {
-  const stop: NonNullable<CreateRenderRequest["stop"]> = {};
+  const stop: NonNullable<CreateGroupRequest["stop"]> = {};
   if (value("error")) stop.relative_error = Number(value("error")) / 100;
   if (value("minutes")) stop.wall_seconds = 60 * Number(value("minutes"));
   if (value("tile-error")) stop.tile_relative_error = Number(value("tile-error")) / 100;

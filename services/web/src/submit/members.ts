@@ -1,5 +1,5 @@
-/** Many renders of one submission: variants and frames of a scene, and changes of it. As nocturne_client/sequences.py and changes.py. Pure. */
-import type { SceneDocument } from "../service/types.ts";
+/** What is other than in the scene, as it stands in the form's fields, in the words of a group request. Pure. */
+import type { CreateGroupRequest } from "../service/types.ts";
 
 export interface Wanted {
   /** FIRST-LAST; empty: no frames. */
@@ -14,29 +14,12 @@ export interface Wanted {
   parts?: boolean;
 }
 
-export interface Member {
-  /** What tells it from the others; empty where there are none. */
-  name: string;
-  document: SceneDocument;
-}
-
 type Change = [place: string, value: unknown];
 
-const mostMembers = 1000;
-
-/** The scene in every variant and frame; throws Error, fit to be shown. */
-export function membersOf(document: SceneDocument, { frames, changes, varied, bands, parts }: Wanted): Member[] {
+/** Throws Error, fit to be shown. */
+export function membersOf({ frames, changes, varied, bands, parts }: Wanted): Required<Pick<CreateGroupRequest, "changes" | "varied" | "frames">> {
   const fixed = [...linesOf(changes).map(changeOf), ...bandsOf(bands), ...(parts ? [["sensor.light_parts", true] satisfies Change] : [])];
-  const numbers = numbersOf(frames);
-  const variants = linesOf(varied).map(valuesOf).reduce<Change[][]>((all, values) => all.flatMap((before) => values.map((value) => [...before, value])), [[]]);
-  if (variants.length * numbers.length > mostMembers) throw new Error(`${variants.length * numbers.length} renders are too many to submit here; at most ${mostMembers}`);
-  const digits = `${numbers.at(-1) ?? 0}`.length;
-  return variants.flatMap((variant) => numbers.map((number, index) => {
-    const part = numbers.length > 1 ? index / (numbers.length - 1) : undefined;
-    const words = variant.map(([place, value]) => `${place.slice(place.lastIndexOf(".") + 1)}=${typeof value === "string" ? value : JSON.stringify(value)}`);
-    if (frames.trim()) words.push(`${number}`.padStart(digits, "0"));
-    return { name: words.join(" "), document: changed(document, [...fixed.map(([place, value]): Change => [place, between(value, part)]), ...variant]) };
-  }));
+  return { changes: Object.fromEntries(fixed), varied: linesOf(varied).map(variationOf), frames: framesOf(frames) };
 }
 
 function linesOf(text: string): string[] {
@@ -50,10 +33,10 @@ function changeOf(text: string): Change {
   return [place.trim(), jsonOr(value, value.trim())];
 }
 
-function valuesOf(text: string): Change[] {
+function variationOf(text: string): { place: string; values: unknown[] } {
   const [place, value] = [changeOf(text)[0], text.slice(text.indexOf("=") + 1)];
   const values = jsonOr(`[${value}]`, undefined) as unknown[] | undefined;
-  return (values ?? value.split(",").map((each) => jsonOr(each, each.trim()))).map((each): Change => [place, each]);
+  return { place, values: values ?? value.split(",").map((each) => jsonOr(each, each.trim())) };
 }
 
 function jsonOr(text: string, otherwise: unknown): unknown {
@@ -64,12 +47,11 @@ function jsonOr(text: string, otherwise: unknown): unknown {
   }
 }
 
-function numbersOf(frames: string): number[] {
-  if (!frames.trim()) return [0];
-  const [, first = NaN, last = NaN] = (/^(\d+)-(\d+)$/.exec(frames.trim()) ?? []).map(Number);
-  if (!(last >= first)) throw new Error(`Frames ${frames}: expected FIRST-LAST, such as 1-240`);
-  if (last - first >= mostMembers) throw new Error(`Frames ${frames}: at most ${mostMembers} here`);
-  return Array.from({ length: last - first + 1 }, (_, index) => first + index);
+function framesOf(text: string): { first: number; last: number } | null {
+  if (!text.trim()) return null;
+  const [, first, last] = (/^(\d+)-(\d+)$/.exec(text.trim()) ?? []).map(Number);
+  if (first === undefined || last === undefined) throw new Error(`Frames ${text}: expected FIRST-LAST, such as 1-240`);
+  return { first, last };
 }
 
 function bandsOf(text: string): Change[] {
@@ -77,38 +59,4 @@ function bandsOf(text: string): Change[] {
   const [, first, last, width] = (/^(\d+):(\d+):(\d+)$/.exec(text.trim()) ?? []).map(Number);
   if (width === undefined) throw new Error(`Bands ${text}: expected FIRST:LAST:WIDTH in nm, such as 380:780:10`);
   return [["sensor.bands", { first, last, width }]];
-}
-
-/** 0..2.5 is a way from the first frame to the last. */
-function between(value: unknown, part: number | undefined): unknown {
-  if (part === undefined || typeof value !== "string") return value;
-  const [, from, to] = /^([-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?)\.\.([-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?)$/i.exec(value.trim()) ?? [];
-  return from === undefined || to === undefined ? value : Number(from) + part * (Number(to) - Number(from));
-}
-
-export function changed(document: SceneDocument, changes: Change[]): SceneDocument {
-  if (changes.length === 0) return document;
-  const made = structuredClone(document);
-  for (const [place, value] of changes) put(made, stepsOf(place), value, place);
-  return made;
-}
-
-function stepsOf(place: string): (string | number)[] {
-  const path = place.replace(/^\$\./, "");
-  const found = [...path.matchAll(/\.?([A-Za-z_][A-Za-z0-9_ -]*)|\[(\d+)\]/gy)];
-  if (found.length === 0 || found.map(([text]) => text).join("") !== path) throw new Error(`${place} is no place in a scene, such as surfaces[2].kernel.reflectance`);
-  return found.map(([, name, index]) => name ?? Number(index));
-}
-
-/** An object that is not there yet is made, as the default of most parts. */
-function put(document: unknown, steps: (string | number)[], value: unknown, place: string): void {
-  let at = document;
-  steps.forEach((step, index) => {
-    const isLast = index === steps.length - 1;
-    const isList = Array.isArray(at);
-    if (typeof at !== "object" || at === null || isList !== (typeof step === "number") || (Array.isArray(at) && Number(step) >= at.length)) throw new Error(`The scene has no ${place}`);
-    const inside = at as Record<string | number, unknown>;
-    if (isLast) inside[step] = value;
-    else at = inside[step] ??= {};
-  });
 }

@@ -2,8 +2,8 @@
 import { announce, element } from "../dom.ts";
 import { formatDuration } from "../format.ts";
 import { groupRoute, renderRoute } from "../router.ts";
-import { createRender, preflight } from "../service/client.ts";
-import type { CreateRenderRequest, PreflightReport, Render, SceneDocument } from "../service/types.ts";
+import { createGroup, preflight } from "../service/client.ts";
+import type { CreateGroupRequest, PreflightReport, SceneDocument } from "../service/types.ts";
 import { filesDropped, filesOf } from "./dropped.ts";
 import { type Asked, submitForm } from "./form.ts";
 import { membersOf } from "./members.ts";
@@ -50,9 +50,13 @@ export function submitPanel(): { node: HTMLElement; close: () => void } {
     form.busy(false);
   };
   const send = (wanted: Scene, asked: Asked): Promise<void> => working(async () => {
-    const requests = requestsOf(wanted.document, asked);
+    const request = requestOf(wanted.document, asked);
     await upload(wanted.files, say);
-    await submitAll(requests, say);
+    say("Submitting…");
+    const { name, renders } = await createGroup(request);
+    const [only] = renders;
+    announce(renders.length === 1 ? `${only?.name} is submitted` : `${renders.length} renders are submitted`);
+    location.hash = renders.length === 1 && only ? renderRoute(only.id) : groupRoute(name);
   });
   const preflight = (wanted: Scene, asked: Asked): Promise<void> => working(async () => {
     report.replaceChildren();
@@ -63,29 +67,9 @@ export function submitPanel(): { node: HTMLElement; close: () => void } {
   return { node, close: takeDrops(node, (files) => void take(files)) };
 }
 
-/** Then shows the render, or the group. */
-async function submitAll(requests: CreateRenderRequest[], say: Say): Promise<void> {
-  let last: Render | undefined;
-  for (const [index, request] of requests.entries()) {
-    say(requests.length === 1 ? "Submitting…" : `Submitting ${index + 1} of ${requests.length}…`);
-    last = await createRender(request);
-  }
-  if (!last) return;
-  announce(requests.length === 1 ? `${last.name} is submitted` : `${requests.length} renders are submitted`);
-  location.hash = requests.length === 1 ? renderRoute(last.id) : groupRoute(last.group);
-}
-
-/** One request for each frame and variant; several are a group. Asked again, they are the same. */
-export function requestsOf(document: SceneDocument, { requestId, request, wanted }: Asked): CreateRenderRequest[] {
-  const members = membersOf(document, wanted);
-  const group = request.group ?? (members.length > 1 ? `${request.name} ${requestId.slice(0, 6)}` : "");
-  return members.map((member, index) => ({
-    ...request,
-    request_id: members.length === 1 ? requestId : `${requestId}/${index}`,
-    scene: member.document,
-    name: `${request.name} ${member.name}`.trim(),
-    ...(group && { group }),
-  }));
+/** Asked again, it gives the same renders. */
+export function requestOf(document: SceneDocument, { requestId, request, wanted }: Asked): CreateGroupRequest {
+  return { ...request, request_id: requestId, scene: document, ...membersOf(wanted) };
 }
 
 async function preflightOf(wanted: Scene, { request }: Asked, say: Say): Promise<PreflightReport> {

@@ -1,6 +1,6 @@
 /** The heading, and beside the image: progress, figures, downloads, cancel and delete. */
 import { element, setText } from "../dom.ts";
-import { derivedAddress, getExplanation, imageAddress, previewAddress, sceneAddress } from "../service/client.ts";
+import { derivedAddress, getExplanation, previewAddress, sceneAddress } from "../service/client.ts";
 import type { Renders } from "../service/renders.ts";
 import { hasEnded, hasImage, type Render } from "../service/types.ts";
 import { cancelButton } from "./cancel_button.ts";
@@ -73,7 +73,7 @@ async function explain(id: string, node: HTMLElement): Promise<void> {
 /** Links to the image as it is now, and to the scene. */
 function downloads(id: string): { node: HTMLElement; show: (render: Render) => void } {
   const file = `nocturne-${id.slice(0, 12)}`;
-  const exr = element("a", { href: imageAddress(id), download: `${file}.exr` }, "Download EXR");
+  const exr = element("a", { href: derivedAddress(id, "image.exr"), download: `${file}.exr` }, "Download EXR");
   const png = element("a", { href: previewAddress(id), download: `${file}.png` }, "Download PNG");
   const scene = element("a", { href: sceneAddress(id), download: `${file}.json` }, "Scene");
   const log = element("a", { href: derivedAddress(id, "log.txt"), download: `${file}.txt` }, "Log");
