@@ -89,6 +89,7 @@ def test_an_older_one_gets_what_is_missing_and_keeps_its_rows(
 
 def test_the_sensors_of_older_renders_are_known(old: sqlite3.Connection) -> None:
     old.execute("ALTER TABLE render DROP COLUMN sensor")
+    old.execute("DROP TABLE blob_use")
     old.execute("PRAGMA user_version = 14")
     columns = [row[1] for row in old.execute("PRAGMA table_info(render)")]
     others = ", ".join(
@@ -105,6 +106,7 @@ def test_the_sensors_of_older_renders_are_known(old: sqlite3.Connection) -> None
 
 
 def test_the_warnings_of_older_renders_get_a_kind(old: sqlite3.Connection) -> None:
+    old.execute("DROP TABLE blob_use")
     old.execute("PRAGMA user_version = 15")
     before = ['$.surfaces[2].shape: is "open"', "It has no layers: nocturne-trace failed"]
     old.execute("UPDATE render SET warnings = ?", (json.dumps(before),))
@@ -114,6 +116,14 @@ def test_the_warnings_of_older_renders_get_a_kind(old: sqlite3.Connection) -> No
         {"kind": "scene", "sentence": before[0], "parts": []},
         {"kind": "layers", "sentence": before[1], "parts": []},
     ]
+
+
+def test_it_is_unknown_what_older_renders_use(old: sqlite3.Connection) -> None:
+    """An empty digest stands for files that nobody noted: none is removed then."""
+    old.execute("DROP TABLE blob_use")
+    old.execute("PRAGMA user_version = 16")
+    upgrade(old, MIGRATIONS)
+    assert old.execute("SELECT * FROM blob_use").fetchall() == [("r-old", "")]
 
 
 def test_two_may_open_a_new_one_at_once(tmp_path: Path) -> None:

@@ -113,6 +113,7 @@ class World:
         new = NewRender(render_id, "", SCENE, "{}", width, height, samples, schedule, stop)
         made = self.store.renders.create(replace(new, floating_point_profile=profile))
         # Not at random, so that each run of a test is the same.
+        self.store.database.execute("DELETE FROM blob_use WHERE render_id = ?", (made.id,))
         self.store.change(made.id, id=render_id)
         return render_id
 

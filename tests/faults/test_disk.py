@@ -14,7 +14,7 @@ import httpx
 import pytest
 from nocturne_api import limits
 from nocturne_coordinator.store.data_folder import DataFolder
-from nocturne_coordinator.store.unused import sweep_unused
+from nocturne_coordinator.store.removal import delete_render, sweep, sweep_unused
 
 from tests.faults.owners import Guarded, guarded, request
 from tests.system.up import NOCTURNE
@@ -78,14 +78,24 @@ async def test_files_that_no_render_uses_go_after_a_while(service: Guarded) -> N
 
 
 async def test_nothing_goes_while_it_is_not_known_what_is_used(service: Guarded) -> None:
-    """P11: a compiled scene that is not on this machine may name any file."""
+    """P11: a render of a former version, whose files nobody noted, may need any; and so may its replays."""
     async with service.rest(service.token("alice", "submit")) as alice:
-        await upload(alice, b"unused")
+        unused = await upload(alice, b"unused")
         made = (await alice.post("/v1/renders", json=request("a"))).json()["id"]
     folder = service.folder
+    scene = folder.renders.get(made).scene_sha256
+    known = folder.blob_use.of(made)
+    assert scene in known
+    folder.database.execute("DELETE FROM blob_use")
+    folder.blob_use.note(made, [""])
     grow_old(folder)
-    folder.blobs.remove_here(folder.renders.get(made).scene_sha256)
     assert sweep_unused(folder, limits.UNUSED_SECONDS) == []
+    folder.blob_use.note(made, known)
+    assert sweep_unused(folder, limits.UNUSED_SECONDS) == []
+    folder.requests.cancel(made)
+    delete_render(folder, made)
+    sweep(folder)
+    assert sweep_unused(folder, limits.UNUSED_SECONDS) == [unused]
 
 
 async def test_the_service_sweeps_by_itself(tmp_path: Path) -> None:

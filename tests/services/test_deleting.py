@@ -18,7 +18,7 @@ from nocturne_client.cli.app import app
 from nocturne_coordinator.errors import FilesGone, WrongState
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.object_store import ObjectStore
-from nocturne_coordinator.store.removal import blobs_of_scene, delete_render, sweep
+from nocturne_coordinator.store.removal import delete_render, sweep
 from nocturne_coordinator.store.renders import Renders
 from typer.testing import CliRunner
 
@@ -140,7 +140,7 @@ async def test_what_others_use_stays(
     lonely = b"uploaded for a render to come"
     await rest.put(f"/v1/assets/{hashlib.sha256(lonely).hexdigest()}", content=lonely)
     scene = folder.renders.get(first).scene_sha256
-    packed = set(blobs_of_scene(folder.blobs, scene)) - {scene}
+    packed = set(folder.blob_use.of(first)) - {scene, ASSET}
     assert len(packed) == 1
     await rest.delete(f"/v1/renders/{first}")
     assert {scene, ASSET, *packed} <= files_of(folder)
@@ -201,9 +201,7 @@ async def test_a_scene_whose_files_went_meanwhile_is_compiled_again(
     answer = await rest.post("/v1/renders", json={**body, "request_id": "b"})
     assert answer.status_code == 201, answer.text
     assert len(refused) == 1
-    assert all(
-        folder.blobs.here(each) for each in blobs_of_scene(folder.blobs, answer.json()["scene_sha256"])
-    )
+    assert all(folder.blobs.here(each) for each in folder.blob_use.of(answer.json()["id"]))
 
 
 async def test_the_object_store_forgets_it_too(tmp_path: Path, body: dict[str, Any]) -> None:

@@ -16,9 +16,8 @@ from nocturne_api.files.current_image import write_current
 from nocturne_coordinator.output.previews import layers_of
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.layers import LayersDue
-from nocturne_coordinator.store.removal import delete_render, sweep
+from nocturne_coordinator.store.removal import delete_render, sweep, sweep_unused
 from nocturne_coordinator.store.rows import NewRender
-from nocturne_coordinator.store.unused import sweep_unused
 from nocturne_scene.errors import InputError
 from nocturne_scene.ranges import make_schedule
 

@@ -18,6 +18,7 @@ from nocturne_scene.replacing import sync
 
 from nocturne_coordinator.errors import UnusableFolder
 from nocturne_coordinator.store.archive import Archive
+from nocturne_coordinator.store.blob_use import BlobUse
 from nocturne_coordinator.store.calls import Calls
 from nocturne_coordinator.store.database import Database
 from nocturne_coordinator.store.layers import RenderLayers
@@ -56,6 +57,7 @@ class DataFolder:
         except (OSError, sqlite3.Error) as trouble:
             raise UnusableFolder.because(path, trouble) from trouble
         self.tiles = Tiles(self.database)
+        self.blob_use = BlobUse(self.database)
         self.renders = Renders(self.database, self.blobs.here)
         self.requests = RenderRequests(self.database, self.renders, self.tiles)
         self.layers = RenderLayers(self.database, self.blobs.here)

@@ -9,6 +9,7 @@ from nocturne_scene.layers import CHANNELS
 from nocturne_scene.render_warnings import RenderWarning, WarningKind
 
 from nocturne_coordinator.errors import FilesGone
+from nocturne_coordinator.store.blob_use import BlobUse
 from nocturne_coordinator.store.database import Database
 
 LAYERS_DUE = """layers <> '[]' AND layers_sha256 = ''
@@ -46,6 +47,7 @@ class RenderLayers:
     def __init__(self, database: Database, blob_here: Callable[[str], Path | None]) -> None:
         """`blob_here` gives the file of a blob, None where it is not on this machine."""
         self._database = database
+        self._blob_use = BlobUse(database)
         self._blob_here = blob_here
 
     def due(self) -> list[tuple[str, str]]:
@@ -68,10 +70,12 @@ class RenderLayers:
             # Who removes files looks at renders in a transaction, too.
             if self._blob_here(sha256) is None:
                 raise FilesGone("the file of the layers was deleted with another render")
-            self._database.execute(
+            made = self._database.execute(
                 f"UPDATE render SET layers_sha256 = ?, sequence = sequence + 1 WHERE id = ? AND {LAYERS_DUE}",  # noqa: S608
                 (sha256, render_id),
             )
+            if made:
+                self._blob_use.note(render_id, [sha256])
 
     def give_up(self, render_id: str, why: str) -> None:
         """The render does without layers, and says why."""

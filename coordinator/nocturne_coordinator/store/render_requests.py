@@ -14,6 +14,7 @@ from nocturne_coordinator.dispatch.records import RenderState
 from nocturne_coordinator.dispatch.region import Region
 from nocturne_coordinator.dispatch.stopping import StopConditions
 from nocturne_coordinator.errors import WrongState
+from nocturne_coordinator.store.blob_use import BlobUse
 from nocturne_coordinator.store.database import Database
 from nocturne_coordinator.store.quotas import NO_QUOTA, Quota, check_quota
 from nocturne_coordinator.store.renders import Renders, check_priority
@@ -27,6 +28,7 @@ class RenderRequests:
 
     def __init__(self, database: Database, renders: Renders, tiles: Tiles) -> None:
         self._database = database
+        self._blob_use = BlobUse(database)
         self._renders = renders
         self._tiles = tiles
 
@@ -158,6 +160,7 @@ class RenderRequests:
                 layers=original.layers,
                 layers_sha256=original.layers_sha256,
                 tags=original.tags,
+                further_files=self._blob_use.of(render_id),
             ),
             quota,
         )

@@ -3,6 +3,7 @@
 import base64
 import hashlib
 import json
+import re
 import secrets
 import sqlite3
 import sys
@@ -21,6 +22,7 @@ from nocturne_coordinator import limits
 from nocturne_coordinator.dispatch.records import ErrorPoint, RenderState
 from nocturne_coordinator.dispatch.stopping import StopConditions, check_tile_samples
 from nocturne_coordinator.errors import AmbiguousId, Conflict, FilesGone
+from nocturne_coordinator.store.blob_use import BlobUse
 from nocturne_coordinator.store.database import Database
 from nocturne_coordinator.store.layers import layers_bytes
 from nocturne_coordinator.store.quotas import NO_QUOTA, Quota, check_quota
@@ -30,6 +32,8 @@ from nocturne_coordinator.store.tags import SEARCHED, TAGGED, words_of
 # Columns that have another name than the field.
 _SELECTED = {"effective_sample_size_of_pixels": "effective_pixels AS effective_sample_size_of_pixels"}
 _COLUMNS = ", ".join(_SELECTED.get(field.name, field.name) for field in fields(RenderRow))
+
+_ASSET = re.compile(r"sha256:([0-9a-f]{64})")
 
 # SQLite integers are signed 64 bits.
 _NEWEST = 2**63 - 1
@@ -44,6 +48,7 @@ class Renders:
     def __init__(self, database: Database, blob_here: Callable[[str], Path | None]) -> None:
         """`blob_here` gives the file of a blob, None where it is not on this machine."""
         self._database = database
+        self._blob_use = BlobUse(database)
         self._blob_here = blob_here
 
     def create(self, new: NewRender, quota: Quota = NO_QUOTA) -> RenderRow:
@@ -120,6 +125,9 @@ class Renders:
                 self._bytes_of(new),
             ),
         )
+        named = _ASSET.findall(new.scene_document)
+        used = {new.scene_sha256, new.layers_sha256, *new.files, *named} - {""}
+        self._blob_use.note(render_id, used.union(new.further_files))
         return render_id
 
     def _bytes_of(self, new: NewRender) -> int:

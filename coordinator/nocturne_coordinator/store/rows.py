@@ -49,6 +49,8 @@ class NewRender:
     """Words to sort renders by; see store/tags.py."""
     files: tuple[str, ...] = ()
     """Digests of the compiled scene's files, which must be there when the render is made."""
+    further_files: tuple[str, ...] = ()
+    """Of a replay, those of its original; see store/blob_use.py."""
 
     @property
     def all_layers(self) -> tuple[str, ...]:

@@ -19,7 +19,7 @@ from nocturne_scene.compile.layers import check_can_make, make_layers
 from nocturne_scene.compile.lights import Lights
 from nocturne_scene.compile.media import Media
 from nocturne_scene.compile.origin import frame_of
-from nocturne_scene.compile.output import CompiledOutput
+from nocturne_scene.compile.output import CompiledOutput, blobs_named_in
 from nocturne_scene.compile.sensors import compile_sensor
 from nocturne_scene.compile.shapes import Shapes
 from nocturne_scene.compile.surfaces import Surfaces
@@ -60,7 +60,8 @@ def compile_scene(document: SceneDocument, blobs: BlobStore, film: Film | None =
     _put_tracing(workspace, message, film, scatters=scatters)
     scene_sha256 = blobs.put(message.SerializeToString(deterministic=True))
     warnings = [*of_scene(workspace.warnings), *from_messages(message.tracing.warnings)]
-    return CompiledOutput(scene_sha256, workspace.dropped, warnings, message.tracing.way)
+    files = scene_sha256, *sorted(set(blobs_named_in(message)))
+    return CompiledOutput(scene_sha256, workspace.dropped, warnings, message.tracing.way, files)
 
 
 def compile_layers(document: SceneDocument, blobs: BlobStore, film: Film, layers: Sequence[str]) -> str:

@@ -7,8 +7,7 @@ import time
 
 from nocturne_coordinator.errors import ObjectStoreUnavailable
 from nocturne_coordinator.store.data_folder import DataFolder
-from nocturne_coordinator.store.removal import sweep
-from nocturne_coordinator.store.unused import sweep_unused
+from nocturne_coordinator.store.removal import sweep, sweep_unused
 
 from nocturne_api.background.task import Background
 

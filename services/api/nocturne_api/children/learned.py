@@ -10,9 +10,10 @@ import tempfile
 from pathlib import Path
 from typing import Any
 
+from nocturne.v1 import scene_pb2
 from nocturne_coordinator.store.object_store import ObjectStore
-from nocturne_coordinator.store.removal import blobs_of_scene
 from nocturne_scene.blobs import BlobStore
+from nocturne_scene.compile.output import blobs_named_in
 from nocturne_scene.errors import NocturneError
 from nocturne_scene.programs import find_program
 
@@ -34,7 +35,8 @@ def main() -> None:
 
 def _look_up(job: dict[str, Any]) -> dict[str, Any]:
     store = BlobStore(Path(job["blobs"]), ObjectStore(job["objects"]) if job["objects"] else None)
-    for digest in blobs_of_scene(store, job["scene_sha256"]):
+    scene = scene_pb2.CompiledScene.FromString(store.path(job["scene_sha256"]).read_bytes())
+    for digest in set(blobs_named_in(scene)):
         store.path(digest)  # which brings what is not here
     program = find_program("nocturne-trace")
     if program is None:

@@ -11,7 +11,6 @@ from nocturne.v1 import job_pb2
 from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions, stop_conditions
 from nocturne_coordinator.limits import DEFAULT_PRIORITY, MAX_NAME, MAX_REQUEST_ID
 from nocturne_coordinator.store.data_folder import DataFolder
-from nocturne_coordinator.store.removal import blobs_of_scene
 from nocturne_coordinator.store.renders import check_priority
 from nocturne_coordinator.store.rows import NewRender
 from nocturne_coordinator.store.tags import checked_tags
@@ -121,11 +120,10 @@ def _new_scene(
 ) -> _Scene:
     output = compile_in_child(document, folder.blobs, compile_limits, Film(*film))
     schedule = schedule_for_scene(folder.blobs, output.scene_sha256, *film)
-    files = blobs_of_scene(folder.blobs, output.scene_sha256)
-    for sha256 in files:
+    for sha256 in output.blobs:
         # Here too, not in the object store only.
         folder.blobs.path(sha256)
-    return _Scene(output.scene_sha256, schedule, tuple(output.warnings), output.way, files)
+    return _Scene(output.scene_sha256, schedule, tuple(output.warnings), output.way, output.blobs)
 
 
 def checked_stop(asked: Mapping[str, Any], before: StopConditions) -> StopConditions:
