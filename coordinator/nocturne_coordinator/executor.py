@@ -88,7 +88,7 @@ class Executor:
             case do.StartAnew():
                 ledger.commits.start_anew(instruction.render_id, instruction.fence)
             case do.Recut():
-                ledger.commits.recut(instruction.render_id, instruction.fence, instruction.schedule)
+                return ledger.commits.recut(instruction.render, instruction.schedule)
             case do.Quarantine():
                 unix, worker = self._clock.moment().unix, instruction.worker
                 return ledger.workers.quarantine(worker, instruction.reason, unix, instruction.lied)

@@ -2,13 +2,15 @@
 
 from collections.abc import Callable
 from itertools import pairwise
+from typing import Any
 
 import pytest
 from nocturne.v1 import job_pb2
 from nocturne_coordinator.dispatch.job_cost import JOB_SECONDS, longest_range, max_cpu_seconds
 from nocturne_coordinator.dispatch.records import RenderState
 from nocturne_coordinator.dispatch.state import Settings
-from nocturne_scene.ranges import MAX_CUT_RANGES, make_schedule, recut_schedule
+from nocturne_coordinator.store.commits import Commits
+from nocturne_scene.ranges import MAX_CUT_RANGES, extended_schedule, make_schedule, recut_schedule
 
 from tests.coordinator.world import World
 
@@ -86,6 +88,29 @@ def test_dear_ranges_are_cut_and_merged_like_any(seed: int) -> None:
     lengths = [end - first for first, end in pairwise([0, *ends])]
     # 0.02 s each: what takes a second has 50 samples. Four ranges may be out before the first is back.
     assert max(lengths) <= 64
+
+
+def test_an_extension_between_a_look_and_a_cut_is_kept(monkeypatch: pytest.MonkeyPatch) -> None:
+    """B4: the cut wrote its schedule over the extension's, and the render ended with half of the samples."""
+    world = World(1, Settings(commit_seconds=0.1, job_seconds=_JOB))
+    world.start()
+    world.worker(_costs(lambda _: 0.02))
+    render = world.create(samples=300)
+    recut = Commits.recut
+    extended: list[job_pb2.RangeSchedule] = []
+
+    def late(commits: Commits, *cut: Any) -> Any:
+        if not extended:
+            extended.append(extended_schedule(world.row(render).schedule, 600))
+            world.store.change(render, schedule=extended[0])
+        return recut(commits, *cut)
+
+    monkeypatch.setattr(Commits, "recut", late)
+    world.check_survived(render)
+    ends = list(world.row(render).schedule.range_ends)
+    assert extended
+    assert ends[-1] == 600
+    assert len(ends) > len(extended[0].range_ends), "what was extended is cut, too"
 
 
 def test_cheap_ranges_stay_as_they_are() -> None:

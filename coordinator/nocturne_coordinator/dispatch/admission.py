@@ -151,19 +151,22 @@ class Admission:
             if schedule is None:
                 continue
             try:
-                yield Recut(render.id, render.row.fence, schedule)
+                is_done = yield Recut(render.row, schedule)
             except LeaseLost as lost:
                 yield from self._commits.lose(lost.render_id)
             except FolderTrouble as trouble:
                 yield from self._commits.report(trouble)
             else:
+                # What was extended meanwhile is cut when that is known here.
+                yield LookAgain()
+                if not is_done:
+                    continue
                 longest = _longest(schedule.range_ends)
                 bundles = _longest(schedule.photon_range_ends)
                 photons = f" and {bundles} bundles of forward photons" if bundles else ""
                 line = f"render={render.id} has ranges of at most {longest} samples{photons} from here on"
                 yield Log(INFO, line)
                 yield from self._commits.drop(render.id, jobs_stay=True)
-                yield LookAgain()
 
     def end(self, render: OpenRender, state: RenderState, reason: str) -> Steps[None]:
         """Writes a final state."""

@@ -143,10 +143,10 @@ class StartAnew:
 
 @dataclass(frozen=True, slots=True)
 class Recut:
-    """Give a render that runs a schedule of the same samples in shorter ranges."""
+    """Give a render that runs a schedule of the same samples in shorter ranges. Answer: whether that was
+    done; it is not where somebody changed the render's requests."""
 
-    render_id: str
-    fence: int
+    render: OpenRender
     schedule: job_pb2.RangeSchedule
 
 

@@ -182,21 +182,21 @@ class Commits:
             )
         return changed == 1
 
-    def recut(self, render_id: str, fence: int, schedule: job_pb2.RangeSchedule) -> None:
-        """A render that runs has a schedule of the same samples in shorter ranges.
-
-        LeaseLost if it is another's.
-        """
-        with self._leases.holding(render_id, fence):
-            self._database.execute(
+    def recut(self, render: OpenRender, schedule: job_pb2.RangeSchedule) -> bool:
+        """A render that runs has a schedule of the same samples in shorter ranges; False if it does not run
+        any more, or was extended meanwhile. LeaseLost if it is another's."""
+        with self._leases.holding(render.id, render.fence):
+            changed = self._database.execute(
                 """UPDATE render SET schedule = ?, ranges_planned = ?, sequence = sequence + 1
-                   WHERE id = ? AND state = 'RUNNING'""",
+                   WHERE id = ? AND state = 'RUNNING' AND schedule = ?""",
                 (
                     schedule.SerializeToString(deterministic=True),
                     ranges_planned(schedule),
-                    render_id,
+                    render.id,
+                    render.schedule.SerializeToString(deterministic=True),
                 ),
             )
+        return changed == 1
 
     def images_written(self, render_id: str, fence: int) -> None:
         """An ended render's images show all that was committed. LeaseLost if it is another's."""
