@@ -71,8 +71,6 @@ class Executor:
         """Instructions that need the data folder, and fail with it."""
         ledger = self._ledger
         match instruction:
-            case do.ReadRenders():
-                return ledger.renders.all()
             case do.TakeRender():
                 return ledger.renders.take(instruction.render_id)
             case do.StartRender():

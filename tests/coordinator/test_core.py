@@ -1,6 +1,7 @@
 """The core alone: the instructions that follow from each event."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -17,7 +18,9 @@ from nocturne_coordinator.dispatch.events import (
     StreamIsReady,
     Tick,
 )
+from nocturne_coordinator.dispatch.range_queue import RangeState
 from nocturne_coordinator.dispatch.records import OpenRender, RenderState, TileRow, Totals
+from nocturne_coordinator.dispatch.scheduler import JobKey
 from nocturne_coordinator.dispatch.state import Settings
 from nocturne_coordinator.dispatch.validation import InvalidState
 from nocturne_coordinator.errors import FolderTrouble, LeaseLost, QueueError
@@ -42,7 +45,6 @@ class Shell:
         self.now = at(0.0)
         self.answers: Answers = {
             do.TakeRender: lambda asked: next(row for row in rows if row.id == asked.render_id),
-            do.ReadRenders: lambda _: list(rows),
             do.StartRender: lambda _: True,
             do.ReadTiles: lambda _: [],
             do.IsOpen: lambda _: False,
@@ -160,6 +162,59 @@ def test_a_render_that_can_not_be_started_is_looked_at_again(trouble: Exception)
     shell.answers[do.StartRender] = lambda _: trouble
     assert kinds(shell.take_up())[-1] == "LookAgain"
     assert shell.core.state.renders == {}
+
+
+def test_an_extended_render_goes_on_where_it_stands() -> None:
+    """Its jobs stay out, and a result that waits for an earlier one still does."""
+    shell = Shell((row("r"),))
+    shell.take_up()
+    shell.tell(StreamIsReady(at(0.1)))
+    assert shell.result("r", 0.2, index=1) == []
+    longer = replace(row("r", 64), state=RenderState.RUNNING)
+    assert kinds(shell.tell(RendersSeen(at(0.3), (longer,), {}, 1))) == ["TellWorkers"]
+    render = shell.core.state.renders["r"]
+    assert list(render.planned.schedule.range_ends) == [4, 8, 16, 32, 64]
+    shell.result("r", 0.4)
+    assert render.film.manifest() == [8, 0]
+    keys = [key for each in shell.tell(StreamIsReady(at(0.5))) for key in getattr(each, "keys", ())]
+    assert JobKey("r", 0, 2) in keys
+    assert JobKey("r", 1, 0) not in keys, "it is out already"
+
+
+def test_a_cut_withdraws_only_what_is_cut() -> None:
+    """And a result that waits and is of a range that is no more is settled."""
+    shell = Shell((row("r", 64),))
+    shell.answers[do.Recut] = lambda _: True
+    shell.take_up()
+    shell.tell(StreamIsReady(at(0.1)))
+    shell.result("r", 0.2, index=3)
+    render = shell.core.state.renders["r"]
+    assert render.film.tiles[0].waiting.keys() == {3}
+    # A range of 16 samples would take 160 s.
+    render._longest[False] = 4
+    followed = shell.tell(Tick(at(0.3)))
+    assert kinds(followed)[:2] == ["Recut", "Withdraw"]
+    ends = list(render.planned.schedule.range_ends)
+    assert ends == [4, 8, 12, 16, *range(20, 65, 4)]
+    assert render.film.tiles[0].waiting == {}
+    scheduler = shell.core.state.scheduler
+    states = [[scheduler.state_of(JobKey("r", tile, index)) for index in range(3)] for tile in (0, 1)]
+    out, planned = RangeState.PUBLISHED, RangeState.PLANNED
+    assert states == [[out, out, planned], [out, out, planned]]
+    for index in range(len(ends)):
+        shell.tell(StreamIsReady(at(0.4)))
+        shell.result("r", 0.4, 0, index)
+    assert render.film.manifest() == [64, 0]
+
+
+def test_a_schedule_without_the_merged_ranges_is_taken_up_anew() -> None:
+    shell = Shell((row("r", 8),))
+    shell.take_up()
+    shell.tell(StreamIsReady(at(0.1)))
+    shell.result("r", 0.2)
+    other = replace(row("r", 8), schedule=make_schedule(33, 2, 3), state=RenderState.RUNNING)
+    followed = kinds(shell.tell(RendersSeen(at(0.3), (other,), {}, 1)))
+    assert "TakeRender" in followed
 
 
 def test_jobs_whose_publication_failed_are_published_again() -> None:

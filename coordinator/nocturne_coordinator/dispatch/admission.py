@@ -3,6 +3,7 @@
 from bisect import bisect_right
 from collections import Counter, deque
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from heapq import heapify, heappop, heappush
 from itertools import pairwise
 
@@ -21,7 +22,6 @@ from nocturne_coordinator.dispatch.instructions import (
     Log,
     LookAgain,
     Quarantine,
-    ReadRenders,
     ReadTiles,
     Recut,
     StartAnew,
@@ -30,6 +30,7 @@ from nocturne_coordinator.dispatch.instructions import (
     TakeRender,
     TakeUpStreams,
     TellWorkers,
+    Withdraw,
 )
 from nocturne_coordinator.dispatch.planned_render import PlannedRender
 from nocturne_coordinator.dispatch.profiles import should_start_anew, usual_profiles
@@ -70,29 +71,27 @@ class Admission:
         rows = {row.id: row for row in event.renders}
         for render in [each for each in state.renders.values() if _is_lost(each, rows)]:
             yield from self._commits.lose(render.id)
-        changed = [
+        gone = [
             render.id
             for render in state.renders.values()
-            if render.id not in rows or not rows[render.id].asks_the_same(render.row)
+            if render.id not in rows or not render.can_replan(rows[render.id])
         ]
         # Their merged results are kept, unless they were cancelled.
-        for render_id in changed:
+        for render_id in gone:
             state.renders[render_id].commit_photons_next()
-        if changed and not (yield from self._commits.commit(at)):
+        if gone and not (yield from self._commits.commit(at)):
             return False
         # A commit may have found one of them lost.
-        for render_id in [each for each in changed if each in state.renders]:
-            what = "has another schedule" if render_id in rows else "let go"
-            yield Log(INFO, f"render={render_id} {what}")
+        for render_id in [each for each in gone if each in state.renders]:
+            yield Log(INFO, f"render={render_id} let go")
             yield from self._commits.drop(render_id)
         part = -(-len(rows) // event.coordinators)
         yield from self._pass_on(part, at)
-        if changed:
-            again: list[OpenRender] = yield ReadRenders()
-            rows = {row.id: row for row in again}
         waiting: list[OpenRender] = []
         for row in rows.values():
             if row.id in state.renders:
+                if not row.asks_the_same(state.renders[row.id].row):
+                    yield from self._replan(row)
                 state.scheduler.set_priority(row.id, row.priority)
                 self._look_first(row)
                 state.renders[row.id].take_layers(row)
@@ -140,13 +139,9 @@ class Admission:
                     yield from self._commits.drop(render.id)
                     yield LookAgain()
 
-    def cut_long_ranges(self, at: Moment) -> Steps[None]:
-        """A render whose next jobs would take too long gets shorter ranges, and is taken up again."""
+    def cut_long_ranges(self) -> Steps[None]:
+        """A render whose next jobs would take too long gets shorter ranges."""
         for render in list(self._state.renders.values()):
-            if render.recut() is None:
-                continue
-            if not (yield from self._commits.commit(at)) or render.id not in self._state.renders:
-                continue
             schedule = render.recut()
             if schedule is None:
                 continue
@@ -157,16 +152,31 @@ class Admission:
             except FolderTrouble as trouble:
                 yield from self._commits.report(trouble)
             else:
-                # What was extended meanwhile is cut when that is known here.
-                yield LookAgain()
                 if not is_done:
+                    # What was extended meanwhile is cut when that is known here.
+                    yield LookAgain()
                     continue
                 longest = _longest(schedule.range_ends)
                 bundles = _longest(schedule.photon_range_ends)
                 photons = f" and {bundles} bundles of forward photons" if bundles else ""
                 line = f"render={render.id} has ranges of at most {longest} samples{photons} from here on"
                 yield Log(INFO, line)
-                yield from self._commits.drop(render.id, jobs_stay=True)
+                failed = tuple(render.failed_tiles.values())
+                yield from self._replan(replace(render.row, schedule=schedule, failed_tiles=failed))
+
+    def _replan(self, row: OpenRender) -> Steps[None]:
+        """A render that is at work goes on by another schedule, or to other conditions."""
+        state, render = self._state, self._state.renders[row.id]
+        kept = render.planned.kept_in(row.schedule)
+        state.settled.setdefault(row.id, []).extend(render.replan(row))
+        jobs = state.scheduler.replan(
+            row.id, kept, render.range_states(), render.film.horizons(), forward_ranges(render.planned)
+        )
+        state.failure_policy.forget(row.id)
+        state.audits_end.pop(row.id, None)
+        if jobs := [*jobs, *state.auditor.forget(row.id)]:
+            yield Withdraw(tuple(jobs), stop=True)
+        yield Log(INFO, f"render={row.id} goes on with {ranges_planned(row.schedule)} ranges")
 
     def end(self, render: OpenRender, state: RenderState, reason: str) -> Steps[None]:
         """Writes a final state."""
@@ -241,7 +251,7 @@ class Admission:
         self._state.scheduler.add(
             row.id,
             render.range_states(),
-            horizon=[render.film.horizon(index) for index in range(len(render.film.tiles))],
+            horizon=render.film.horizons(),
             owner=row.owner,
             priority=row.priority,
             owner_weight=row.owner_weight,

@@ -89,7 +89,7 @@ class Core:
         while self.state.lost:
             yield from self._follow(self.results.lost_worker(*self.state.lost.pop()))
         yield from self._admission.start_odd_ones_anew(at)
-        yield from self._admission.cut_long_ranges(at)
+        yield from self._admission.cut_long_ranges()
         yield from self._endings.finish(at)
         state = self.state
         if any(render.is_unseen for render in state.renders.values()):

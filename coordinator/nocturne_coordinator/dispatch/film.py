@@ -28,8 +28,6 @@ class MergedFilm:
     def __init__(self, render: PlannedRender, stop: StopConditions | None = None) -> None:
         """`stop` says which tiles end before the schedule does. ValueError if it does not fit the
         schedule."""
-        self._render = render
-        self._stop = stop or EVERYTHING
         height, width = render.schedule.height, render.schedule.width
         self._shown = self._own = FilmSums.zeros(render.grid, render.further)
         self._forward: FilmSums | None = None
@@ -45,18 +43,30 @@ class MergedFilm:
             self.tiles.append(TileState(self._forward.whole, ahead=photon_ranges_ahead(render.pixels)))
         self._stale: set[int] = set()
         """Tiles of which other sums are shown than there are by now."""
+        self._before = [RangeEnd()] * len(self.tiles)
+        self._now = [RangeEnd()] * len(self.tiles)
+        self._plan(render, stop or EVERYTHING)
+
+    def _plan(self, render: PlannedRender, stop: StopConditions) -> None:
+        self._render, self._stop = render, stop
         self._last = [len(render.ranges_of(index)) for index in range(len(self.tiles))]
         if self._stop.tile_samples:
             self._last = [
                 render.ranges_of(index).merged_at(end) if end else 0
                 for index, end in enumerate(self._stop.tile_samples)
             ]
-        self._before = [RangeEnd()] * len(self.tiles)
-        self._now = [RangeEnd()] * len(self.tiles)
         self._expected = [float(self._end(index, last)) for index, last in enumerate(self._last)]
         for tile, last in zip(self.tiles, self._last, strict=True):
             tile.closed = last == 0
         self._unfinished = sum(not tile.closed for tile in self.tiles)
+
+    def replan(self, render: PlannedRender, stop: StopConditions) -> None:
+        """Goes on by another schedule, which begins with the ranges that are merged or wait, and by other
+        conditions."""
+        self._plan(render, stop)
+        for index, state in enumerate(self.tiles):
+            if state.merged:
+                self._resume(index, self.error_before(index))
 
     def load(
         self, tile_index: int, samples: int, sums: bytes, error_before: float = 0.0, photons: bytes = b""
@@ -71,6 +81,11 @@ class MergedFilm:
             if self._forward is not None and photons and self.bundles:
                 self._forward.tile(tile_index).assign(self._decoded(tile_index, photons))
         state.merged = self._render.ranges_of(tile_index).merged_at(samples) if samples else 0
+        self._resume(tile_index, error_before)
+
+    def _resume(self, tile_index: int, error_before: float) -> None:
+        """A tile goes on where it stands, or has enough."""
+        state = self.tiles[tile_index]
         closed = state.closed
         self._now[tile_index] = RangeEnd(self._end(tile_index, state.merged - 1), error_before)
         state.closed = closed or self._enough(tile_index, state)
@@ -123,6 +138,10 @@ class MergedFilm:
     def expected_samples(self) -> float:
         """`traced_samples` when all tiles will be done, as far as is known now."""
         return float(np.dot(self._expected, self._pixels))
+
+    def horizons(self) -> list[int]:
+        """Of each tile."""
+        return [self.horizon(index) for index in range(len(self.tiles))]
 
     def horizon(self, tile_index: int) -> int:
         """How many ranges the tile is expected to need in all; at least one more than it has."""

@@ -77,11 +77,6 @@ class TellWorkers:
 
 
 @dataclass(frozen=True, slots=True)
-class ReadRenders:
-    """Answer: all open renders of the folder (list of OpenRender)."""
-
-
-@dataclass(frozen=True, slots=True)
 class IsOpen:
     """Answer: whether a render is one that some coordinator works on, or will; true if unknown."""
 
@@ -218,7 +213,6 @@ Instruction: TypeAlias = (
     | Acknowledge
     | TakeUpStreams
     | TellWorkers
-    | ReadRenders
     | IsOpen
     | LookAgain
     | TakeRender

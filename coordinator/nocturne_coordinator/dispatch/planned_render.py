@@ -1,7 +1,9 @@
 """A render as the coordinator schedules it, and the check that a result belongs to it. Pure."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache, cached_property
+from itertools import takewhile
 
 import numpy as np
 from google.protobuf.message import DecodeError
@@ -55,6 +57,13 @@ class PlannedRender:
         """Of forward photons, where they have ranges of their own: those of a tile after the last."""
         ends = self.schedule.photon_range_ends
         return RangeList(ends) if ends else None
+
+    def kept_in(self, schedule: job_pb2.RangeSchedule) -> list[int]:
+        """Per tile, how many of its first ranges another schedule of the render has, too."""
+        kept = [_same(self.schedule.range_ends, schedule.range_ends)] * self.grid.count
+        if self.photon_ranges is not None:
+            kept.append(_same(self.schedule.photon_range_ends, schedule.photon_range_ends))
+        return kept
 
     @property
     def photon_index(self) -> int:
@@ -143,6 +152,11 @@ class PlannedRender:
         except ValueError as error:
             raise RefusedResult(str(error)) from None
         return sums
+
+
+def _same(ends: Iterable[int], others: Iterable[int]) -> int:
+    """How many of the first are equal."""
+    return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(ends, others, strict=False)))
 
 
 def render_of(data: bytes) -> str:

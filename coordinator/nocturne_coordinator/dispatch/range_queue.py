@@ -40,7 +40,7 @@ _TRANSITIONS = {
 }
 """By state, those that may follow."""
 
-_IN_FLIGHT = (_PUBLISHED, _HELD)
+IN_FLIGHT = (_PUBLISHED, _HELD)
 
 
 class InvalidTransition(AssertionError):
@@ -117,7 +117,7 @@ class RangeQueue:
             place = f"render={self.render_id} tile={tile} range={index}"
             raise InvalidTransition(f"{place} is {before.name} and can't become {to.name}")
         self.states[tile][index] = to
-        self.in_flight += (to in _IN_FLIGHT) - (before in _IN_FLIGHT)
+        self.in_flight += (to in IN_FLIGHT) - (before in IN_FLIGHT)
         self._follow(tile)
 
     def pop(self) -> tuple[int, int] | None:
@@ -134,7 +134,7 @@ class RangeQueue:
         for tile, index in enumerate(self.following):
             if index != self._next_of(tile) or (index >= 0 and (tile, index) not in entries):
                 return f"render={self.render_id} tile={tile} range={index} would never be published"
-        in_flight = sum(states.count(each) for states in self.states for each in _IN_FLIGHT)
+        in_flight = sum(states.count(each) for states in self.states for each in IN_FLIGHT)
         return (
             "" if in_flight == self.in_flight else f"render={self.render_id} has {in_flight} ranges in flight"
         )

@@ -119,6 +119,33 @@ class RunningRender:
         if self.row.layers_due != row.layers_due:
             self.row = replace(self.row, layers_due=row.layers_due, layers_sha256=row.layers_sha256)
 
+    def can_replan(self, row: OpenRender) -> bool:
+        """Whether all that is merged is of ranges that the row's schedule has, too."""
+        kept = self.planned.kept_in(row.schedule)
+        return all(tile.merged <= most for tile, most in zip(self.film.tiles, kept, strict=True))
+
+    def replan(self, row: OpenRender) -> list[bytes]:
+        """Goes on by the row's schedule and conditions, where it can; gives entries of results that waited
+        and are of no use now."""
+        kept = self.planned.kept_in(row.schedule)
+        surplus = [
+            state.waiting.pop(index)
+            for state, most in zip(self.film.tiles, kept, strict=True)
+            for index in [each for each in state.waiting if each >= most]
+        ]
+        # Its time of running is counted here.
+        self.row = replace(row, ran_seconds=self.row.ran_seconds)
+        self.planned = replace(self.planned, schedule=row.schedule)
+        self.failed_tiles = {each.tile_index: each for each in row.failed_tiles}
+        self._longest.clear()
+        self.film.replan(self.planned, row.stop)
+        for tile_index in self.failed_tiles:
+            surplus += self.film.give_up(tile_index)
+        for state in self.film.tiles:
+            surplus += state.close() if state.closed else []
+        self._dirty_totals = True
+        return [each.entry for each in surplus]
+
     def range_states(self) -> list[bytearray]:
         """Per tile, the state of each range, when all that is merged is committed."""
         found = []

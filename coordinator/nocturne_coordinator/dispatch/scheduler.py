@@ -10,7 +10,13 @@ from dataclasses import dataclass
 from statistics import median
 from typing import NamedTuple
 
-from nocturne_coordinator.dispatch.range_queue import FairShare, ForwardRanges, RangeQueue, RangeState
+from nocturne_coordinator.dispatch.range_queue import (
+    IN_FLIGHT,
+    FairShare,
+    ForwardRanges,
+    RangeQueue,
+    RangeState,
+)
 from nocturne_coordinator.limits import DEFAULT_PRIORITY
 
 MIN_OVERDUE = 60.0
@@ -86,6 +92,28 @@ class Scheduler:
         )
         needed = list(horizon) or [len(each) for each in states]
         self._queues[render_id] = RangeQueue(render_id, states, needed, owner, share, cost, forward)
+
+    def replan(
+        self,
+        render_id: str,
+        kept: Sequence[int],
+        states: list[bytearray],
+        horizon: list[int],
+        forward: ForwardRanges | None,
+    ) -> list[bytes]:
+        """The render has other ranges, of each tile the first `kept` as before; gives the entries of jobs
+        that are not needed any more, to be deleted from the stream."""
+        queue = self._queues[render_id]
+        for most, before, now in zip(kept, queue.states, states, strict=True):
+            for index, state in enumerate(before[:most]):
+                if now[index] == RangeState.COMMITTED or (not now[index] and state in IN_FLIGHT):
+                    now[index] = state
+        queue.states, queue.horizon, queue.forward = states, horizon, forward
+        queue.in_flight = sum(tile.count(each) for tile in states for each in IN_FLIGHT)
+        queue.order(queue.first)
+        gone = [key for key in self._outstanding if key.render_id == render_id]
+        gone = [key for key in gone if self.state_of(key) is not RangeState.PUBLISHED]
+        return [entry for key in gone for entry in self._outstanding.pop(key).entries]
 
     def set_priority(self, render_id: str, priority: float) -> None:
         """The render's weight among its owner's renders from now on."""
