@@ -164,6 +164,33 @@ def test_a_render_goes_on_with_what_was_committed(schedule: job_pb2.RangeSchedul
     )
 
 
+@pytest.mark.parametrize("asked", [0.0, 0.5, 1e-9])
+def test_a_schedule_that_grows_leaves_a_render_as_a_restart_would(
+    schedule: job_pb2.RangeSchedule, asked: float
+) -> None:
+    render = _running(schedule)
+    _merge_all(render)
+    render.offer(PHOTONS, _photons(render.planned, 0), 0.0)
+    render.commit_photons_next()
+    commit = render.changes(1.0, 1.0)
+    assert commit is not None
+    longer = job_pb2.RangeSchedule()
+    longer.CopyFrom(schedule)
+    longer.range_ends.append(16)
+    longer.photon_range_ends.append(8)
+    row = replace(render.row, schedule=longer, stop=StopConditions(tile_relative_error=asked))
+    again = RunningRender(row, reversed([*commit.tiles]))
+    assert render.can_replan(row)
+    assert render.replan(row) == []
+    assert render.film.manifest() == again.film.manifest()
+    assert render.film.complete == again.film.complete
+    assert render.film.horizons() == again.film.horizons()
+    assert render.film.expected_samples == again.film.expected_samples
+    assert render.range_states() == again.range_states()
+    np.testing.assert_array_equal(again.film.sums, render.film.sums)
+    np.testing.assert_array_equal(again.film.counts, render.film.counts)
+
+
 def test_at_the_end_all_is_committed_at_once(schedule: job_pb2.RangeSchedule) -> None:
     render = _running(schedule)
     _merge_all(render)
