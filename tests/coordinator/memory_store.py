@@ -12,6 +12,7 @@ from nocturne_coordinator.dispatch.records import FailedTile, OpenRender, Render
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.stopping import StopConditions
 from nocturne_coordinator.output.previews import Previews
+from nocturne_coordinator.store.blob_use import Removals
 from nocturne_coordinator.store.commits import Commits
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.database import Database
@@ -19,7 +20,6 @@ from nocturne_coordinator.store.leases import Leases
 from nocturne_coordinator.store.ledger import Ledger
 from nocturne_coordinator.store.open_renders import _COLUMNS, OpenRenders
 from nocturne_coordinator.store.ownership import Ownership
-from nocturne_coordinator.store.removals import Removals
 from nocturne_coordinator.store.render_requests import RenderRequests
 from nocturne_coordinator.store.renders import Renders
 from nocturne_coordinator.store.tiles import Tiles

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from nocturne_client.cli.additions import (
+from nocturne_client.cli.scene_options import (
     changes_of,
     layer_names,
     parse_bands,

@@ -13,7 +13,7 @@ from nocturne_api.children import pools
 from nocturne_api.children.pools import answer_of
 from nocturne_api.service import Service
 from nocturne_client import Client
-from nocturne_client.models import PreflightReport
+from nocturne_client.contract import PreflightReport
 
 
 @pytest.fixture

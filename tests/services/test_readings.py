@@ -5,8 +5,8 @@ from typing import Any
 import httpx
 import numpy as np
 import pytest
+from nocturne_client.contract import Reading, ReadValue, Region
 from nocturne_client.errors import NocturneClientError
-from nocturne_client.models import Reading, ReadValue, Region
 from nocturne_client.readings import parse_region, sentence
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_scene.tile_sums import TileSums

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 import OpenEXR
 import pytest
-from nocturne_client.cli.additions import parse_bands
+from nocturne_client.cli.scene_options import parse_bands
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.render import LocalRender, render_scene
 

@@ -18,7 +18,7 @@ from nocturne_scene.replacing import sync
 
 from nocturne_coordinator.errors import UnusableFolder
 from nocturne_coordinator.store.archive import Archive
-from nocturne_coordinator.store.blob_use import BlobUse
+from nocturne_coordinator.store.blob_use import BlobUse, Removals
 from nocturne_coordinator.store.calls import Calls
 from nocturne_coordinator.store.database import Database
 from nocturne_coordinator.store.layers import RenderLayers
@@ -26,7 +26,6 @@ from nocturne_coordinator.store.machines import Machines
 from nocturne_coordinator.store.measured_regions import MeasuredRegions
 from nocturne_coordinator.store.meters import Meters
 from nocturne_coordinator.store.object_store import ObjectStore
-from nocturne_coordinator.store.removals import Removals
 from nocturne_coordinator.store.render_requests import RenderRequests
 from nocturne_coordinator.store.renders import Renders
 from nocturne_coordinator.store.tiles import Tiles

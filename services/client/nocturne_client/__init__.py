@@ -10,8 +10,9 @@ with Client() as client:
 """
 
 from nocturne_client.client import Client
+from nocturne_client.contract import Progress, StopConditions, Worker
 from nocturne_client.errors import NocturneClientError, NotReachedError, Problem
-from nocturne_client.models import Progress, Render, StopConditions, Worker
+from nocturne_client.models import Render
 
 __all__ = [
     "Client",

@@ -16,10 +16,7 @@ from urllib.parse import quote
 import httpx
 from httpx_sse import EventSource
 
-from nocturne_client.decoding import decode
-from nocturne_client.errors import NocturneClientError
-from nocturne_client.import_files import files_of_import
-from nocturne_client.models import (
+from nocturne_client.contract import (
     Explanation,
     Glare,
     Group,
@@ -32,13 +29,16 @@ from nocturne_client.models import (
     PreflightReport,
     Reading,
     Region,
-    Render,
     Session,
     Usage,
     Webhook,
     Worker,
     WorkOfWorker,
 )
+from nocturne_client.decoding import decode
+from nocturne_client.errors import NocturneClientError
+from nocturne_client.import_files import files_of_import
+from nocturne_client.models import Render
 from nocturne_client.outputs import check_output, written
 from nocturne_client.scene_files import SceneOnDisk, digest, read_scene
 from nocturne_client.transport import RETRY_DELAYS_S, Transport, wait_for

@@ -1,62 +1,8 @@
-"""The service's answers as values: those of the contract, with values derived from them."""
+"""A render of the contract, with values derived from it."""
 
 import time
 
 from nocturne_client import contract
-from nocturne_client.contract import (
-    Explanation,
-    Glare,
-    GlareSource,
-    Group,
-    ImportedScene,
-    Isolines,
-    MeasuredRegions,
-    Measurement,
-    Measurements,
-    NewWebhook,
-    Outline,
-    PreflightReport,
-    Progress,
-    Reading,
-    ReadValue,
-    Region,
-    RenderWarning,
-    Session,
-    StopConditions,
-    UnmetPart,
-    Usage,
-    Webhook,
-    Worker,
-    WorkOfWorker,
-)
-
-__all__ = [
-    "Explanation",
-    "Glare",
-    "GlareSource",
-    "Group",
-    "ImportedScene",
-    "Isolines",
-    "MeasuredRegions",
-    "Measurement",
-    "Measurements",
-    "NewWebhook",
-    "Outline",
-    "PreflightReport",
-    "Progress",
-    "ReadValue",
-    "Reading",
-    "Region",
-    "Render",
-    "RenderWarning",
-    "Session",
-    "StopConditions",
-    "UnmetPart",
-    "Usage",
-    "Webhook",
-    "WorkOfWorker",
-    "Worker",
-]
 
 _FINAL = frozenset({"SUCCEEDED", "STOPPED_EARLY", "DEGRADED", "FAILED", "CANCELLED"})
 

@@ -1,7 +1,7 @@
 """What a part of a render's image shows, in words."""
 
+from nocturne_client.contract import Reading, Region
 from nocturne_client.errors import NocturneClientError
-from nocturne_client.models import Reading, Region
 
 CONFIDENCE = 1.96
 """Standard errors to each side of a 95 % interval, where these are well known."""

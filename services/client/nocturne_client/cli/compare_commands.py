@@ -75,7 +75,7 @@ def baseline(
 ) -> None:
     """Compare a render with one of the same scene and film by another engine. Exit status 1 if they differ by
     more than their noise."""
-    from nocturne_client.local.baselines import compared_with_baseline
+    from nocturne_client.local.comparing import compared_with_baseline
 
     told, found = compared_with_baseline(url, render_id, engine, difference)
     ERRORS.print(told, markup=False, soft_wrap=True)

@@ -6,19 +6,23 @@ from typing import Annotated, Literal
 
 import typer
 
-from nocturne_client.cli.additions import BandEdges, LayerNames, Settings, changes_of, layer_names
 from nocturne_client.cli.output import AsJson, print_json
 from nocturne_client.cli.scene_options import (
     DEFAULT_EDGE,
     AllowMissing,
     AnyScenePath,
+    BandEdges,
     FilmHeight,
     FilmWidth,
     Height,
+    LayerNames,
     Light,
     Samples,
     ScenePath,
+    Settings,
     Width,
+    changes_of,
+    layer_names,
 )
 from nocturne_client.cli.stops import Error, For, Stops
 from nocturne_client.console import CONSOLE, ERRORS
@@ -285,8 +289,7 @@ def doctor(
     as_json: AsJson = False,
 ) -> None:
     """List missing programs and packages and how to get them. Exits with 1 if a required one is missing."""
-    from nocturne_client.local.doctor import examine, table_of
-    from nocturne_client.local.service_check import examine_service
+    from nocturne_client.local.doctor import examine, examine_service, table_of
 
     findings = examine_service(url) if url else examine()
     if as_json:

@@ -13,8 +13,8 @@ from rich.table import Column, Table
 from nocturne_client.cli.output import AsJson, Url, print_json
 from nocturne_client.client import Client
 from nocturne_client.console import CONSOLE, ERRORS
+from nocturne_client.contract import Glare, GlareSource, Measurement, Measurements, Outline
 from nocturne_client.errors import NocturneClientError
-from nocturne_client.models import Glare, GlareSource, Measurement, Measurements, Outline
 from nocturne_client.readings import CONFIDENCE, interval, parse_region, rounded
 
 Target = Annotated[

@@ -13,8 +13,9 @@ from rich.markup import escape
 from rich.table import Column, Table
 
 from nocturne_client.console import CONSOLE, ERRORS
+from nocturne_client.contract import Group, Progress, Usage, Worker
 from nocturne_client.errors import NocturneClientError
-from nocturne_client.models import Group, Progress, Render, Usage, Worker
+from nocturne_client.models import Render
 from nocturne_client.transport import DEFAULT_URL
 
 # Of the columns beside the ids, with a word of each name: together they fit into 80 columns.

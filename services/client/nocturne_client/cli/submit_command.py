@@ -9,31 +9,30 @@ from typing import Annotated, Any
 
 import typer
 
-from nocturne_client.cli.additions import (
+from nocturne_client.cli.output import AsJson, Url, print_render
+from nocturne_client.cli.scene_options import (
+    DEFAULT_EDGE,
+    AllowMissing,
+    AnyScenePath,
     BandEdges,
+    FilmHeight,
+    FilmWidth,
     LayerNames,
+    Light,
+    Samples,
     Settings,
     changes_of,
     layer_names,
     parse_frames,
     parse_variants,
 )
-from nocturne_client.cli.output import AsJson, Url, print_render
-from nocturne_client.cli.scene_options import (
-    DEFAULT_EDGE,
-    AllowMissing,
-    AnyScenePath,
-    FilmHeight,
-    FilmWidth,
-    Light,
-    Samples,
-)
 from nocturne_client.cli.stops import Cpu, Error, For, Stops, TileError, Until
 from nocturne_client.cli.watching import follow
 from nocturne_client.client import Client
 from nocturne_client.console import ERRORS
+from nocturne_client.contract import ImportedScene
 from nocturne_client.errors import NocturneClientError
-from nocturne_client.models import ImportedScene, Render
+from nocturne_client.models import Render
 from nocturne_client.scene_files import is_of_other_renderer
 
 Frames = Annotated[

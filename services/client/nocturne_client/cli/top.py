@@ -10,8 +10,9 @@ from rich.table import Column, Table
 from nocturne_client.cli.output import duration, time_left
 from nocturne_client.client import Client
 from nocturne_client.console import CONSOLE
+from nocturne_client.contract import Worker, WorkOfWorker
 from nocturne_client.errors import NocturneClientError
-from nocturne_client.models import Render, Worker, WorkOfWorker
+from nocturne_client.models import Render
 
 _INTERVAL_S = 2.0
 _NEWEST = 200

@@ -1,6 +1,7 @@
-"""`nocturne compare`: how far two images are apart, and whether noise explains it."""
+"""`nocturne compare` and `nocturne baseline`: how far two images are apart, and whether noise explains it."""
 
 import math
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,9 @@ from nocturne_scene.compare.images import Picture, read_picture, write_differenc
 from nocturne_scene.errors import InputError
 from nocturne_scene.uncertainty import read_region
 
+from nocturne_client.client import Client
 from nocturne_client.errors import NocturneClientError, Problem
+from nocturne_client.models import Render
 
 
 @dataclass(frozen=True)
@@ -162,3 +165,28 @@ def as_lines(compared: Compared) -> list[str]:
     lines.append(f"pixels within their bound: {verdict.share_explained:.2%}; expected 99.75 % or more")
     lines.append(f"tiles and means {'agree' if verdict.sums_agree else 'differ by more than noise'}")
     return lines
+
+
+def compared_with_baseline(
+    url: str | None, render_id: str, engine: int, difference: Path | None
+) -> tuple[str, Compared]:
+    """The compared renders in words, and how far both are apart. `engine`: 0 for the newest other one.
+
+    Raises NocturneClientError.
+    """
+    with Client(url) as client, tempfile.TemporaryDirectory(prefix="nocturne-baseline-") as folder:
+        render = client.get(render_id)
+        other = _chosen([*client.baselines(render.id)], render, engine)
+        one, reference = Path(folder) / "image.exr", Path(folder) / "baseline.exr"
+        client.download(render.id, "exr", one)
+        client.download(other.id, "exr", reference)
+        told = f"{render.id} by engine {render.engine}, beside {other.id} by engine {other.engine}"
+        return told, compare_files(Comparison(one, reference), difference)
+
+
+def _chosen(baselines: list[Render], render: Render, engine: int) -> Render:
+    found = next((each for each in baselines if engine in (0, each.engine)), None)
+    if found is None:
+        wanted = f"engine {engine}" if engine else f"another engine than {render.engine}"
+        raise NocturneClientError(f"there is no image of the same scene and film by {wanted}")
+    return found

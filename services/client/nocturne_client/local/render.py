@@ -11,9 +11,11 @@ from pathlib import Path
 from typing import IO, Any
 
 import numpy as np
+import OpenEXR
 from nocturne.v1 import job_pb2
 from nocturne_coordinator.output.images import FINAL_COMPRESSION, write_preview
 from nocturne_scene.compare.images import read_picture
+from nocturne_scene.layers import read_layers
 from rich.progress import Progress
 
 from nocturne_client.console import ERRORS
@@ -22,7 +24,6 @@ from nocturne_client.local.compiled import CompiledFolder, compile_to
 from nocturne_client.local.image_error import image_error
 from nocturne_client.local.local_stop import LocalStop
 from nocturne_client.local.programs import need_program
-from nocturne_client.local.rewriting import add_layers, note_doubt
 from nocturne_client.outputs import check_output, written
 
 _PERCENT = re.compile(r"\s*([0-9.]+) %")
@@ -173,3 +174,24 @@ def _show(lines: IO[str] | None, name: str) -> str:
             elif line.strip():
                 said = line.strip()
     return said
+
+
+def note_doubt(image: Path, doubt: str) -> None:
+    """Writes into an EXR why its errors are not to be trusted, as those of the service say it."""
+    _rewrite(image, {"nocturne:errorDoubt": doubt}, {})
+
+
+def add_layers(image: Path, layers: Path) -> None:
+    """Puts layers beside the image, as the service does."""
+    read = read_layers(layers)
+    _rewrite(image, read.attributes, read.channels)
+
+
+def _rewrite(image: Path, attributes: Mapping[str, str], channels: Mapping[str, Any]) -> None:
+    with OpenEXR.File(str(image), separate_channels=True) as file:
+        before = {name: channel.pixels for name, channel in file.channels().items()}
+        header = {**file.header(), **attributes}
+    header.pop("channels", None)
+    # A sensor may have responses with such names: they go first.
+    with OpenEXR.File(header, {**channels, **before}) as file:
+        file.write(str(image))
