@@ -1,7 +1,7 @@
 /** The chart of error against time or samples: log-log, with the 1/sqrt(N) line. */
-import uPlot from "uplot";
-import "uplot/dist/uPlot.min.css";
+import type uPlot from "uplot";
 import { formatCount, formatDuration, formatRelativeError } from "../format.ts";
+import { Plot, type Style } from "../plot.ts";
 import type { Abscissa } from "./points.ts";
 import { logarithmicScale } from "./ticks.ts";
 
@@ -26,73 +26,39 @@ export interface Drawing {
 }
 
 export class ConvergenceChart {
-  readonly #container: HTMLElement;
-  readonly #observer: ResizeObserver;
-  readonly #theme = window.matchMedia("(prefers-color-scheme: dark)");
-  readonly #redraw = (): void => {
-    this.#plot?.destroy();
-    this.#plot = undefined;
-    this.#draw();
-  };
-  #plot: uPlot | undefined;
+  readonly #plot: Plot;
   #drawing: Drawing = { x: [], lines: [] };
   #abscissa: Abscissa = "time";
 
   constructor(container: HTMLElement) {
-    this.#container = container;
-    this.#observer = new ResizeObserver(() => {
-      this.#plot?.setSize({ width: this.#width(), height: height_px });
+    // Without a cursor the legend says how things stand now.
+    this.#plot = new Plot(container, (plot) => {
+      if (plot.cursor.idx == null) plot.setLegend({ idx: (plot.data[1] ?? []).findLastIndex((value) => value != null) });
     });
-    this.#observer.observe(container);
-    // A canvas does not follow style sheets: new colours need a new plot.
-    this.#theme.addEventListener("change", this.#redraw);
   }
 
   show(drawing: Drawing, abscissa: Abscissa): void {
     const names = (of: Drawing): string => of.lines.map((line) => line.label).join();
-    const rebuild = abscissa !== this.#abscissa || names(drawing) !== names(this.#drawing);
+    const same = abscissa === this.#abscissa && names(drawing) === names(this.#drawing);
     this.#drawing = drawing;
     this.#abscissa = abscissa;
-    if (rebuild) this.#redraw();
-    else this.#draw();
+    if (same && this.#plot.update(dataOf(drawing))) return;
+    this.#plot.show(drawing.x.length > 0 ? (style) => [dataOf(this.#drawing), options(this.#drawing, this.#abscissa, style)] : undefined);
   }
 
   close(): void {
-    this.#observer.disconnect();
-    this.#theme.removeEventListener("change", this.#redraw);
-    this.#plot?.destroy();
-  }
-
-  #draw(): void {
-    const { x, lines } = this.#drawing;
-    const data: uPlot.AlignedData = [x, ...lines.map((line) => line.values)];
-    if (this.#plot) this.#plot.setData(data);
-    else if (x.length > 0) this.#plot = new uPlot(options(this.#drawing, this.#abscissa, this.#width()), data, this.#container);
-    // uPlot empties the legend when it commits, in a separate microtask.
-    queueMicrotask(() => {
-      this.#showNow();
-    });
-  }
-
-  /** Without a cursor the legend says how things stand now. */
-  #showNow(): void {
-    const plot = this.#plot;
-    const first = plot?.data[1] ?? [];
-    if (plot && plot.cursor.idx == null) plot.setLegend({ idx: first.findLastIndex((value) => value != null) });
-  }
-
-  #width(): number {
-    return Math.max(200, this.#container.clientWidth);
+    this.#plot.close();
   }
 }
 
-function options(drawing: Drawing, abscissa: Abscissa, width: number): uPlot.Options {
+function dataOf({ x, lines }: Drawing): uPlot.AlignedData {
+  return [x, ...lines.map((line) => line.values)];
+}
+
+function options(drawing: Drawing, abscissa: Abscissa, style: Style): Omit<uPlot.Options, "width"> {
   const formatX = abscissa === "time" ? formatDuration : formatCount;
-  const styles = getComputedStyle(document.documentElement);
-  const colour = (name: string): string => styles.getPropertyValue(name).trim();
-  const axis = { stroke: colour("--muted"), grid: { stroke: colour("--line"), width: 1 }, ticks: { show: false }, filter: all };
+  const axis = { ...style.axis, filter: all };
   return {
-    width,
     height: height_px,
     padding: [8, 28, 0, 0],
     scales: { x: logarithmicScale(), y: logarithmicScale() },
@@ -102,9 +68,9 @@ function options(drawing: Drawing, abscissa: Abscissa, width: number): uPlot.Opt
     ],
     series: [
       { label: abscissa === "time" ? "Time" : "Samples per pixel", value: (_, x: number | null) => text(x, formatX) },
-      ...drawing.lines.map((line) => series(line, colour(line.colour))),
+      ...drawing.lines.map((line) => series(line, style.colour(line.colour))),
     ],
-    bands: bands(drawing, colour("--accent")),
+    bands: bands(drawing, style.colour("--accent")),
   };
 }
 

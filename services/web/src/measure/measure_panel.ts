@@ -1,9 +1,10 @@
 /** "Measure": parts of the image with their numbers, a histogram or profile, isolines, and glare where it is known. */
 import { announce, element, setText } from "../dom.ts";
+import { Plot } from "../plot.ts";
 import { getGlare, getIsolines, keepRegions, measure } from "../service/measuring.ts";
 import { hasImage, type Measurements, type Outline, type Render } from "../service/types.ts";
 import type { RenderImage } from "../viewer/render_image.ts";
-import { MeasureChart } from "./charts.ts";
+import { chartOf } from "./charts.ts";
 import { isolineControls, outlineForm } from "./forms.ts";
 import { glareText, hasGlare } from "./glare_text.ts";
 import { isWhole } from "./outlines.ts";
@@ -23,7 +24,7 @@ export class MeasurePanel {
   readonly #problem = element("p", { class: "problem", role: "alert" });
   readonly #table = element("div", { class: "events" });
   readonly #plot = element("div", { class: "plot" });
-  readonly #chart = new MeasureChart(this.#plot);
+  readonly #chart = new Plot(this.#plot);
   readonly #csv: HTMLAnchorElement;
   readonly #profile: HTMLAnchorElement;
   readonly #glare = element("p", { class: "note" });
@@ -118,7 +119,7 @@ export class MeasurePanel {
       onRemove: this.#kept.length > 0 ? (index) => void this.#keep(this.#kept.filter((_, other) => other !== index)) : undefined,
     }));
     const measured = found.measurements[this.#chosen];
-    if (measured) this.#chart.show({ measured, quantity: quantityText(found) });
+    if (measured) this.#chart.show(chartOf({ measured, quantity: quantityText(found) }));
     linkTo(this.#csv, found.csv);
     linkTo(this.#profile, measured?.profile_csv ?? "");
     this.#profile.hidden = !measured?.profile_csv;

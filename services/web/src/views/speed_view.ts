@@ -1,9 +1,10 @@
 /** Speed against accuracy: the error of this service's renders over their processor time; the benches in two charts. */
-import uPlot from "uplot";
+import type uPlot from "uplot";
 import benches from "../../../../bench/results/speed-summary.json";
 import { logarithmicScale } from "../convergence/ticks.ts";
 import { element } from "../dom.ts";
 import { formatDuration, formatRelativeError } from "../format.ts";
+import { type Drawing, Plot, type Style } from "../plot.ts";
 import { renderRoute } from "../router.ts";
 import { getConvergence } from "../service/client.ts";
 import type { Renders } from "../service/renders.ts";
@@ -65,26 +66,24 @@ export function speedView(renders: Renders): View {
 
 /** Lines of renders; their histories are asked for once for each state of them. */
 class Curves {
-  readonly #container: HTMLElement;
   readonly #known = new Map<string, readonly ConvergencePoint[]>();
-  #plot: uPlot | undefined;
+  readonly #plot: Plot;
   #shown = 0;
 
   constructor(container: HTMLElement) {
-    this.#container = container;
+    this.#plot = new Plot(container);
   }
 
   async show(renders: readonly Render[]): Promise<void> {
     const turn = ++this.#shown;
     const histories = await Promise.all(renders.map((render) => this.#historyOf(render)));
     if (turn !== this.#shown) return;
-    this.#plot?.destroy();
-    this.#plot = renders.length > 0 ? plotOf(renders, histories, this.#container) : undefined;
+    this.#plot.show(renders.length > 0 ? (style) => drawingOf(renders, histories, style) : undefined);
   }
 
   close(): void {
     this.#shown += 1;
-    this.#plot?.destroy();
+    this.#plot.close();
   }
 
   async #historyOf({ id, sequence }: Render): Promise<readonly ConvergencePoint[]> {
@@ -95,16 +94,13 @@ class Curves {
   }
 }
 
-function plotOf(renders: readonly Render[], histories: readonly (readonly ConvergencePoint[])[], container: HTMLElement): uPlot {
-  const styles = getComputedStyle(document.documentElement);
-  const colour = (name: string): string => styles.getPropertyValue(name).trim();
+function drawingOf(renders: readonly Render[], histories: readonly (readonly ConvergencePoint[])[], { colour, axis }: Style): Drawing {
   const { x, columns } = curvesOf(renders, histories);
   const firsts = columns.flatMap((column) => column.flatMap((error, index) => (error === null ? [] : [error * Math.sqrt(x[index] ?? 1)])));
   const constant = firsts.sort((a, b) => a - b)[Math.floor(firsts.length / 2)] ?? 1;
-  const axis = { stroke: colour("--muted"), grid: { stroke: colour("--line"), width: 1 }, ticks: { show: false } };
-  return new uPlot(
+  return [
+    [x, ...columns, x.map((value) => constant / Math.sqrt(value))],
     {
-      width: Math.max(260, container.clientWidth),
       height: 300,
       // Room for the label at the end.
       padding: [8, 40, 0, 0],
@@ -126,9 +122,7 @@ function plotOf(renders: readonly Render[], histories: readonly (readonly Conver
         { label: "1/√time", stroke: colour("--muted"), dash: [6, 4], points: { show: false }, value: () => "" },
       ],
     },
-    [x, ...columns, x.map((value) => constant / Math.sqrt(value))],
-    container,
-  );
+  ];
 }
 
 /** Below a second the usual words would say 0.0 s. */

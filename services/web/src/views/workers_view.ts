@@ -1,7 +1,8 @@
 /** All workers: now, over the last two days, and the worker events. */
-import uPlot from "uplot";
+import type uPlot from "uplot";
 import { element, scroller } from "../dom.ts";
 import { formatCount } from "../format.ts";
+import { type Drawing, Plot, type Style } from "../plot.ts";
 import { getWorkerHistory } from "../service/client.ts";
 import type { WorkerHistory } from "../service/types.ts";
 import type { View } from "./view.ts";
@@ -28,12 +29,11 @@ export function workersView(): View {
     element("section", { "aria-labelledby": "night-title" }, element("h2", { id: "night-title" }, "The last two days"), chart, caption),
     element("section", { "aria-labelledby": "events-title" }, element("h2", { id: "events-title" }, "Worker events"), events),
   );
-  let plot: uPlot | undefined;
+  const plot = new Plot(chart);
   const poll = async (): Promise<void> => {
     try {
       const [history] = await Promise.all([getWorkerHistory(), usage.load()]);
-      plot?.destroy();
-      plot = rates(history, chart);
+      plot.show(history.rates.length < 2 ? undefined : (style) => rates(history, style));
       caption.textContent = efficiencyText(history);
       events.replaceChildren(eventsTable(history));
     } catch {
@@ -48,31 +48,26 @@ export function workersView(): View {
     close: () => {
       clearInterval(timer);
       workers.close();
-      plot?.destroy();
+      plot.close();
     },
   };
 }
 
-function rates({ rates: points }: WorkerHistory, container: HTMLElement): uPlot | undefined {
-  if (points.length < 2) return undefined;
-  const styles = getComputedStyle(document.documentElement);
-  const axis = { stroke: styles.getPropertyValue("--muted").trim(), grid: { stroke: styles.getPropertyValue("--line").trim(), width: 1 }, ticks: { show: false } };
+function rates({ rates: points }: WorkerHistory, { colour, axis }: Style): Drawing {
   const format = (_: uPlot, values: number[]): string[] => values.map((value) => formatCount(value));
-  return new uPlot(
+  return [
+    [points.map((point) => point.unix_time), points.map((point) => point.rays_per_second), points.map((point) => point.threads)],
     {
-      width: Math.max(260, container.clientWidth),
       height: 200,
       scales: { y: { range: (_plot, _low, high) => [0, 1.1 * (high || 1)] }, threads: { range: (_plot, _low, high) => [0, 1.5 * (high || 1)] } },
       axes: [axis, { ...axis, size: 64, values: format }, { ...axis, scale: "threads", side: right, grid: { show: false } }],
       series: [
         {},
-        { label: "Rays/s", stroke: styles.getPropertyValue("--accent").trim(), width: 2, value: (_, value: number | null) => (value === null ? "–" : formatCount(value)) },
-        { label: "Threads", scale: "threads", stroke: styles.getPropertyValue("--cancelled").trim(), width: 1, dash: [4, 3] },
+        { label: "Rays/s", stroke: colour("--accent"), width: 2, value: (_, value: number | null) => (value === null ? "–" : formatCount(value)) },
+        { label: "Threads", scale: "threads", stroke: colour("--cancelled"), width: 1, dash: [4, 3] },
       ],
     },
-    [points.map((point) => point.unix_time), points.map((point) => point.rays_per_second), points.map((point) => point.threads)],
-    container,
-  );
+  ];
 }
 
 /** How much of what the threads can do was done: the mean rate per thread over the best there was. */
