@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 from nocturne_coordinator.dispatch.liveness import Holder
 from nocturne_coordinator.dispatch.records import OpenRender, WorkerRow
@@ -16,15 +16,21 @@ class Moment(NamedTuple):
     unix: float
 
 
+class Event:
+    """One thing that happened."""
+
+    __slots__ = ()
+
+
 @dataclass(frozen=True, slots=True)
-class Tick:
+class Tick(Event):
     """Time has passed: results that are due are committed, and renders whose end has come are ended."""
 
     at: Moment
 
 
 @dataclass(frozen=True, slots=True)
-class ResultCame:
+class ResultCame(Event):
     """An entry of the results stream."""
 
     at: Moment
@@ -37,14 +43,14 @@ class ResultCame:
 
 
 @dataclass(frozen=True, slots=True)
-class RedisEmptied:
+class RedisEmptied(Event):
     """Nothing is on the streams that was there before."""
 
     at: Moment
 
 
 @dataclass(frozen=True, slots=True)
-class JobsFound:
+class JobsFound(Event):
     """All that is on the stream of jobs: entries, and serialised jobs."""
 
     at: Moment
@@ -52,14 +58,14 @@ class JobsFound:
 
 
 @dataclass(frozen=True, slots=True)
-class StreamIsReady:
+class StreamIsReady(Event):
     """All results that came are read, and jobs can be published now."""
 
     at: Moment
 
 
 @dataclass(frozen=True, slots=True)
-class WorkersSeen:
+class WorkersSeen(Event):
     """What workers say of themselves, and who has which job."""
 
     at: Moment
@@ -72,7 +78,7 @@ class WorkersSeen:
 
 
 @dataclass(frozen=True, slots=True)
-class RendersSeen:
+class RendersSeen(Event):
     """The folder as it is: its open renders by priority, then oldest first."""
 
     at: Moment
@@ -86,7 +92,7 @@ class RendersSeen:
 
 
 @dataclass(frozen=True, slots=True)
-class RenderLost:
+class RenderLost(Event):
     """Another coordinator has a render, or its sums were changed."""
 
     at: Moment
@@ -94,23 +100,10 @@ class RenderLost:
 
 
 @dataclass(frozen=True, slots=True)
-class Stopping:
+class Stopping(Event):
     """The process is to end in order."""
 
     at: Moment
-
-
-Event: TypeAlias = (
-    Tick
-    | ResultCame
-    | RedisEmptied
-    | JobsFound
-    | StreamIsReady
-    | WorkersSeen
-    | RendersSeen
-    | RenderLost
-    | Stopping
-)
 
 
 @dataclass(frozen=True, slots=True)

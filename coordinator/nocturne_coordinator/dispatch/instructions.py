@@ -23,8 +23,14 @@ DEBUG, INFO, WARNING, ERROR = 10, 20, 30, 40
 """Levels of Log; the numbers are those of Python's logging."""
 
 
+class Instruction:
+    """One thing for the shell to do."""
+
+    __slots__ = ()
+
+
 @dataclass(frozen=True, slots=True)
-class Log:
+class Log(Instruction):
     """Write a line to the log."""
 
     level: int
@@ -35,7 +41,7 @@ class Log:
 
 
 @dataclass(frozen=True, slots=True)
-class Publish:
+class Publish(Instruction):
     """Put jobs on the stream. Answer: their entries, in the same order."""
 
     keys: tuple[JobKey, ...]
@@ -43,7 +49,7 @@ class Publish:
 
 
 @dataclass(frozen=True, slots=True)
-class Withdraw:
+class Withdraw(Instruction):
     """Take jobs off the stream, soon."""
 
     entries: tuple[bytes, ...]
@@ -52,14 +58,14 @@ class Withdraw:
 
 
 @dataclass(frozen=True, slots=True)
-class Acknowledge:
+class Acknowledge(Instruction):
     """Delete results, soon: their sums are committed, or are of no use."""
 
     entries: tuple[bytes, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class TakeUpStreams:
+class TakeUpStreams(Instruction):
     """Before anything else is published, give again what the streams have of a render that others worked on:
     JobsFound, then its results."""
 
@@ -67,7 +73,7 @@ class TakeUpStreams:
 
 
 @dataclass(frozen=True, slots=True)
-class TellWorkers:
+class TellWorkers(Instruction):
     """Tell workers that they get no jobs, and why, as long as nothing else is said."""
 
     reasons: Mapping[str, str]
@@ -77,26 +83,26 @@ class TellWorkers:
 
 
 @dataclass(frozen=True, slots=True)
-class IsOpen:
+class IsOpen(Instruction):
     """Answer: whether a render is one that some coordinator works on, or will; true if unknown."""
 
     render_id: str
 
 
 @dataclass(frozen=True, slots=True)
-class LookAgain:
+class LookAgain(Instruction):
     """Send RendersSeen soon, though nothing may have changed."""
 
 
 @dataclass(frozen=True, slots=True)
-class TakeRender:
+class TakeRender(Instruction):
     """Lease a render. Answer: it as it is now (OpenRender), or None where another coordinator has it."""
 
     render_id: str
 
 
 @dataclass(frozen=True, slots=True)
-class StartRender:
+class StartRender(Instruction):
     """QUEUED becomes RUNNING. Answer: whether it was still queued."""
 
     render_id: str
@@ -104,14 +110,14 @@ class StartRender:
 
 
 @dataclass(frozen=True, slots=True)
-class ReadTiles:
+class ReadTiles(Instruction):
     """Answer: the committed tiles of a render (iterable of TileRow), to be read at once."""
 
     render_id: str
 
 
 @dataclass(frozen=True, slots=True)
-class Commit:
+class Commit(Instruction):
     """Write merged results, in one transaction. Answer: CommitDone."""
 
     commits: tuple[RenderCommit, ...]
@@ -120,7 +126,7 @@ class Commit:
 
 
 @dataclass(frozen=True, slots=True)
-class EndRender:
+class EndRender(Instruction):
     """Write a final state. Answer: whether the render had not changed meanwhile."""
 
     render: OpenRender
@@ -129,7 +135,7 @@ class EndRender:
 
 
 @dataclass(frozen=True, slots=True)
-class StartAnew:
+class StartAnew(Instruction):
     """Throw away all samples of a render, and its floating-point profile."""
 
     render_id: str
@@ -137,7 +143,7 @@ class StartAnew:
 
 
 @dataclass(frozen=True, slots=True)
-class Recut:
+class Recut(Instruction):
     """Give a render that runs a schedule of the same samples in shorter ranges. Answer: whether that was
     done; it is not where somebody changed the render's requests."""
 
@@ -146,7 +152,7 @@ class Recut:
 
 
 @dataclass(frozen=True, slots=True)
-class LetGo:
+class LetGo(Instruction):
     """Give the lease of a render back; if that fails, it runs out by itself."""
 
     render_id: str
@@ -154,7 +160,7 @@ class LetGo:
 
 
 @dataclass(frozen=True, slots=True)
-class Quarantine:
+class Quarantine(Instruction):
     """Note that no result of a worker is taken any more. Answer: ids of the renders whose tiles with its work
     are thrown away, none unless it `lied`."""
 
@@ -167,7 +173,7 @@ class Quarantine:
 
 
 @dataclass(frozen=True, slots=True)
-class WriteBundle:
+class WriteBundle(Instruction):
     """Keep what reproduces the failure of a tile."""
 
     render_id: str
@@ -175,7 +181,7 @@ class WriteBundle:
 
 
 @dataclass(frozen=True, slots=True)
-class WritePreview:
+class WritePreview(Instruction):
     """Replace a running render's preview. Answer: the moment when that was done."""
 
     render_id: str
@@ -183,14 +189,14 @@ class WritePreview:
 
 
 @dataclass(frozen=True, slots=True)
-class WriteThumbnail:
+class WriteThumbnail(Instruction):
     """Replace the small picture. Answer: the moment when that was done."""
 
     render_id: str
 
 
 @dataclass(frozen=True, slots=True)
-class RecordError:
+class RecordError(Instruction):
     """Tell watchers of new pictures, with the error. Answer: the moment when that was done."""
 
     render_id: str
@@ -200,36 +206,11 @@ class RecordError:
 
 
 @dataclass(frozen=True, slots=True)
-class WriteImage:
+class WriteImage(Instruction):
     """Write the image of a render that ends. Answer: the moment when that was done."""
 
     render_id: str
 
-
-Instruction: TypeAlias = (
-    Log
-    | Publish
-    | Withdraw
-    | Acknowledge
-    | TakeUpStreams
-    | TellWorkers
-    | IsOpen
-    | LookAgain
-    | TakeRender
-    | StartRender
-    | ReadTiles
-    | Commit
-    | EndRender
-    | StartAnew
-    | Recut
-    | LetGo
-    | Quarantine
-    | WriteBundle
-    | WritePreview
-    | WriteThumbnail
-    | RecordError
-    | WriteImage
-)
 
 T = TypeVar("T")
 

@@ -3,11 +3,10 @@
 import json
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any, TypeVar
 
-from nocturne.v1 import job_pb2
 from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions, stop_conditions
 from nocturne_coordinator.limits import DEFAULT_PRIORITY, MAX_NAME, MAX_REQUEST_ID
 from nocturne_coordinator.store.data_folder import DataFolder
@@ -21,7 +20,6 @@ from nocturne_scene.errors import InputError, Problem
 from nocturne_scene.film import Film
 from nocturne_scene.layers import known_layers
 from nocturne_scene.ranges import make_schedule
-from nocturne_scene.render_warnings import RenderWarning
 from nocturne_scene.scene_ranges import schedule_for_scene
 
 from nocturne_api.compiling.pool import CompileLimits, compile_in_child
@@ -74,56 +72,48 @@ def compiled(
         or tags is None
     ):
         raise InputError(found.problems)
-    if before is None:
-        check_can_make(layers)
-        scene = _new_scene(document, film, folder, compile_limits)
-    else:
-        schedule = folder.renders.schedule(before.id)
-        scene = _Scene(before.scene_sha256, schedule, before.warnings, before.way, ())
-    return NewRender(
+    new = NewRender(
         request_id=request.request_id,
         name=request.name,
-        scene_sha256=scene.sha256,
+        scene_sha256="",
         scene_document=_canonical(request.scene),
         width=request.width,
         height=request.height,
         samples=request.samples,
-        schedule=scene.schedule,
+        schedule=schedule,
         stop=stop,
         priority=priority,
         owner=owner,
-        warnings=scene.warnings,
-        way=scene.way,
         sensor=document.sensor.type,
         layers=layers,
         usual_layers=usual_layers(document, Film(*film)),
         in_group=request.group,
         after_group=request.after,
         tags=tags,
-        files=scene.files,
     )
+    if before is None:
+        return _with_scene(new, document, folder, compile_limits)
+    schedule, sha256 = folder.renders.schedule(before.id), before.scene_sha256
+    return replace(new, scene_sha256=sha256, schedule=schedule, warnings=before.warnings, way=before.way)
 
 
-@dataclass(frozen=True)
-class _Scene:
-    """A compiled scene in the folder's blobs, and the results of compiling it."""
-
-    sha256: str
-    schedule: job_pb2.RangeSchedule
-    warnings: tuple[RenderWarning, ...]
-    way: str
-    files: tuple[str, ...]
-
-
-def _new_scene(
-    document: SceneDocument, film: tuple[int, int, int], folder: DataFolder, compile_limits: CompileLimits
-) -> _Scene:
+def _with_scene(
+    new: NewRender, document: SceneDocument, folder: DataFolder, compile_limits: CompileLimits
+) -> NewRender:
+    check_can_make(new.layers)
+    film = new.width, new.height, new.samples
     output = compile_in_child(document, folder.blobs, compile_limits, Film(*film))
-    schedule = schedule_for_scene(folder.blobs, output.scene_sha256, *film)
     for sha256 in output.blobs:
         # Here too, not in the object store only.
         folder.blobs.path(sha256)
-    return _Scene(output.scene_sha256, schedule, tuple(output.warnings), output.way, output.blobs)
+    return replace(
+        new,
+        scene_sha256=output.scene_sha256,
+        schedule=schedule_for_scene(folder.blobs, output.scene_sha256, *film),
+        warnings=tuple(output.warnings),
+        way=output.way,
+        files=output.blobs,
+    )
 
 
 def checked_stop(asked: Mapping[str, Any], before: StopConditions) -> StopConditions:
