@@ -26,11 +26,11 @@ from nocturne_coordinator.store.machines import Machines
 from nocturne_coordinator.store.measured_regions import MeasuredRegions
 from nocturne_coordinator.store.meters import Meters
 from nocturne_coordinator.store.object_store import ObjectStore
+from nocturne_coordinator.store.quotas import Uploads
 from nocturne_coordinator.store.render_requests import RenderRequests
 from nocturne_coordinator.store.renders import Renders
 from nocturne_coordinator.store.tiles import Tiles
 from nocturne_coordinator.store.tokens import Tokens
-from nocturne_coordinator.store.uploads import Uploads
 from nocturne_coordinator.store.webhooks import Webhooks
 from nocturne_coordinator.store.workers import Workers
 

@@ -1,12 +1,13 @@
 """Changing renders: cancel, pause, resume, extend, priority, tags, and the region that goes first."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
 from typing import Any
 
 from nocturne_coordinator.dispatch.region import Region
 from nocturne_coordinator.dispatch.stopping import changed_conditions, ends_at_once
+from nocturne_coordinator.store.rows import RenderRow
 from nocturne_scene.errors import InputError
 
 from nocturne_api.models.renders import Render
@@ -30,38 +31,33 @@ class RenderControls:
 
     async def pause(self, render_id: str) -> Render:
         """Stops work on a render until it is resumed; merged samples stay. Raises NotFound, WrongState."""
-        async with self._access.changing("pause", render_id) as whole_id:
-            return Render.of(await self._access.in_database(self._folder.requests.pause, whole_id))
+        return await self._change("pause", render_id, self._folder.requests.pause)
 
     async def resume(self, render_id: str) -> Render:
         """Goes on with a paused render, or traces the failed tiles of a degraded one again.
 
         Raises NotFound, WrongState.
         """
-        async with self._access.changing("resume", render_id) as whole_id:
-            return Render.of(await self._access.in_database(self._folder.requests.resume, whole_id))
+        return await self._change("resume", render_id, self._folder.requests.resume)
 
     async def set_priority(self, render_id: str, priority: int) -> Render:
         """The render's weight among those of its owner, 1 to 1000. Raises NotFound, InputError."""
-        async with self._access.changing("priority", render_id) as whole_id:
-            return Render.of(
-                await self._access.in_database(self._folder.requests.set_priority, whole_id, priority)
-            )
+        return await self._change(
+            "priority", render_id, lambda each: self._folder.requests.set_priority(each, priority)
+        )
 
     async def set_tags(self, render_id: str, tags: Sequence[str]) -> Render:
         """Words to sort renders by, instead of those that it has. Raises NotFound, InputError."""
-        async with self._access.changing("tags", render_id) as whole_id:
-            return Render.of(await self._access.in_database(self._folder.requests.set_tags, whole_id, tags))
+        return await self._change("tags", render_id, lambda each: self._folder.requests.set_tags(each, tags))
 
     async def look_first(self, render_id: str, region: Region | None) -> Render:
         """Which part of the film gets its samples first, None for all alike; the image stays the same bits.
 
         Raises NotFound, InputError.
         """
-        async with self._access.changing("look first", render_id) as whole_id:
-            return Render.of(
-                await self._access.in_database(self._folder.requests.look_first, whole_id, region)
-            )
+        return await self._change(
+            "look first", render_id, lambda each: self._folder.requests.look_first(each, region)
+        )
 
     async def extend(
         self, render_id: str, samples: int, stop: Mapping[str, Any], drop: Sequence[str] = ()
@@ -88,3 +84,7 @@ class RenderControls:
                     self._folder.requests.extend, whole_id, wanted, changed, self._access.quota
                 )
             )
+
+    async def _change(self, what: str, render_id: str, change: Callable[[str], RenderRow]) -> Render:
+        async with self._access.changing(what, render_id) as whole_id:
+            return Render.of(await self._access.in_database(change, whole_id))

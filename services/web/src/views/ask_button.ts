@@ -1,5 +1,7 @@
 /** A button that asks first: what can't be undone, or what needs numbers. */
-import { element, setText } from "../dom.ts";
+import { announce, element, setText } from "../dom.ts";
+import { cancelRender, deleteRender } from "../service/client.ts";
+import type { Render } from "../service/types.ts";
 
 export interface Question {
   /** On the button; the dialog's own button says the same. */
@@ -52,4 +54,34 @@ export function askButton(question: Question, act: () => Promise<void>, fields?:
   confirm.addEventListener("click", () => void confirmed());
   fields?.addEventListener("keydown", (event) => { if (event.key === "Enter") void confirmed(); });
   return { button, dialog };
+}
+
+export function cancelButton(id: string, onCancelled: (render: Render) => void): { button: HTMLElement; dialog: HTMLElement } {
+  const question = {
+    act: "Cancel render",
+    title: "Cancel this render?",
+    text: "It stops and cannot be continued. The image so far is kept and can be downloaded.",
+    keep: "Keep rendering",
+    failed: "Not cancelled",
+  };
+  return askButton(question, async () => {
+    onCancelled(await cancelRender(id));
+    announce("The render is being cancelled");
+  });
+}
+
+/** Of a render that has ended. */
+export function deleteButton(id: string, onDeleted: () => void): { button: HTMLElement; dialog: HTMLElement } {
+  const question = {
+    act: "Delete render",
+    title: "Delete this render?",
+    text: "Its images, numbers and history are gone for good, and files that no other render uses.",
+    keep: "Keep it",
+    failed: "Not deleted",
+  };
+  return askButton(question, async () => {
+    await deleteRender(id);
+    announce("The render is deleted");
+    onDeleted();
+  });
 }
