@@ -4,6 +4,7 @@ import hashlib
 import json
 import math
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
@@ -58,8 +59,8 @@ class Members:
             raise InputError.at(
                 "$", f"asks for {self._count} renders, which are too many; at most {GROUP_RENDERS}"
             )
-        mebibytes = self._count * len(json.dumps(asked.model_dump())) // MEBIBYTE
-        if self._count > 1 and mebibytes > GROUP_BYTES // MEBIBYTE:
+        mebibytes = self._count * len(json.dumps(asked.model_dump())) // MEBIBYTE if self._count > 1 else 0
+        if mebibytes > GROUP_BYTES // MEBIBYTE:
             raise InputError.at(
                 "$.scene",
                 f"{self._count} documents have {mebibytes} MiB; at most {GROUP_BYTES // MEBIBYTE} are taken "
@@ -98,8 +99,9 @@ class Members:
 def _named_values(varied: Variation) -> Sequence[tuple[str, str, Any]]:
     """Place, name and value of each; with a number where several have the same name."""
     shown = [_shown(value) for value in varied.values]
+    times = Counter(shown)
     return [
-        (varied.place, f"{word} {number}" if shown.count(word) > 1 else word, value)
+        (varied.place, f"{word} {number}" if times[word] > 1 else word, value)
         for number, (word, value) in enumerate(zip(shown, varied.values, strict=True), 1)
     ]
 
