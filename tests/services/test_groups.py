@@ -149,6 +149,10 @@ def test_too_many_are_told_before_any_is_made(more: dict[str, Any], place: str, 
     assert [each.place for each in refused.value.problems] == [place]
 
 
+def test_many_values_make_no_document_larger() -> None:
+    assert len(members_of(varied=[{"place": "tracing.seed", "values": [*range(10_000)]}])) == 10_000
+
+
 async def create_group(rest: httpx.AsyncClient, body: dict[str, Any], **more: Any) -> httpx.Response:
     frames = {"first": 1, "last": 3}
     asked = {"name": "Room", "changes": {"sensor.position[0]": "0..1"}, "frames": frames}

@@ -59,7 +59,7 @@ class Members:
             raise InputError.at(
                 "$", f"asks for {self._count} renders, which are too many; at most {GROUP_RENDERS}"
             )
-        mebibytes = self._count * len(json.dumps(asked.model_dump())) // MEBIBYTE if self._count > 1 else 0
+        mebibytes = self._count * _largest_document(asked) // MEBIBYTE if self._count > 1 else 0
         if mebibytes > GROUP_BYTES // MEBIBYTE:
             raise InputError.at(
                 "$.scene",
@@ -94,6 +94,12 @@ class Members:
                 asked.request_id if len(self) == 1 else f"{asked.request_id}/{index}",
                 changes | {place: value for place, _, value in variant},
             )
+
+
+def _largest_document(asked: CreateGroupRequest) -> int:
+    """Bytes of a member's document, at most."""
+    varied = (max(len(json.dumps(value)) for value in each.values) for each in asked.varied)
+    return len(json.dumps(asked.scene)) + len(json.dumps(asked.changes)) + sum(varied)
 
 
 def _named_values(varied: Variation) -> Sequence[tuple[str, str, Any]]:
