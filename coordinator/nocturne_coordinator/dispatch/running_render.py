@@ -138,6 +138,7 @@ class RunningRender:
         self.planned = replace(self.planned, schedule=row.schedule)
         self.failed_tiles = {each.tile_index: each for each in row.failed_tiles}
         self._longest.clear()
+        self._is_out_of_reach = False
         self.film.replan(self.planned, row.stop)
         for tile_index in self.failed_tiles:
             surplus += self.film.give_up(tile_index)
