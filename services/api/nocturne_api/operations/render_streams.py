@@ -6,7 +6,6 @@ Each is a context: what refuses a stream is raised when it is entered, before th
 from collections.abc import AsyncIterator, Set
 from contextlib import asynccontextmanager
 
-from nocturne_coordinator.limits import MAX_PAGE
 from nocturne_scene.errors import NotFound
 
 from nocturne_api.access import CALLER
@@ -60,7 +59,7 @@ class RenderStreams:
         caller = CALLER.get()
         caller.need("read")
         with self._watchers.watching(None, caller) as watcher:
-            for render in reversed((await self._renders.page_of(caller.sees, MAX_PAGE)).renders):
+            for render in reversed(await self._renders.newest(caller.sees)):
                 watcher.offer(render)
             yield states(watcher)
 
@@ -82,7 +81,7 @@ class _Folder:
             return None
 
     async def newest(self, owner: str | None) -> list[Render]:
-        return (await self._renders.page_of(owner, MAX_PAGE)).renders
+        return [*await self._renders.newest(owner)]
 
     async def revoked(self, names: Set[str]) -> Set[str]:
         return await self._access.in_database(self._access.folder.tokens.revoked, names)

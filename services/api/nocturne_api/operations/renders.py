@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 
 from nocturne_coordinator.errors import FilesGone
+from nocturne_coordinator.limits import MAX_PAGE
 from nocturne_coordinator.store.groups import Groups as GroupRows
 from nocturne_coordinator.store.quotas import Quota, check_quota
 from nocturne_coordinator.store.removal import delete_render
@@ -112,22 +113,15 @@ class Renders:
         means 50, at most 200 come. Raises InputError."""
         caller = CALLER.get()
         caller.need("read")
-        return await self.page_of(caller.sees, page_size, page_token, group, tag, search)
-
-    async def page_of(
-        self,
-        owner: str | None,
-        page_size: int = 0,
-        page_token: str = "",
-        group: str = "",
-        tag: str = "",
-        search: str = "",
-    ) -> RenderPage:
-        """One page of an owner's renders, or of everybody's, whoever asks."""
         rows, next_token = await self._access.in_database(
-            self._access.folder.renders.page, page_size, page_token, owner, group, tag, search
+            self._access.folder.renders.page, page_size, page_token, caller.sees, group, tag, search
         )
         return RenderPage(renders=[Render.of(row) for row in rows], next_page_token=next_token)
+
+    async def newest(self, owner: str | None) -> Sequence[Render]:
+        """The newest renders of an owner, or of everybody, whoever asks."""
+        rows, _ = await self._access.in_database(self._access.folder.renders.page, MAX_PAGE, "", owner)
+        return [Render.of(row) for row in rows]
 
     async def delete(self, render_id: str, request_id: str = "") -> None:
         """Forgets a render that has ended, with its images and whatever files no other render uses.
