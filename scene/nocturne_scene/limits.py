@@ -12,13 +12,8 @@ runs, 2 GiB here. Every further response costs 8 bytes more, and so pixels."""
 MAX_FURTHER_RESPONSES = 60
 """With those, a pixel has 64 sums and the smallest tile's partial fills 32 KiB."""
 
-MAX_FORWARD_PIXELS = 2**18
-"""Of a film that is one tile, as photons from luminaires fall anywhere on it: a result is 18 MiB here; 512 x
-512 or 1 degree apart."""
-
-MAX_BOTH_EDGE = 4096
-MAX_BOTH_PIXELS = MAX_BOTH_EDGE**2
-"""With photons of both directions: a worker's thread holds the sums of the whole film, 1.2 GiB here."""
+MAX_FORWARD_PIXELS = 4096**2
+"""With photons from luminaires: a worker's thread holds the sums of the whole film, 1.2 GiB here."""
 
 MAX_FORWARD_RANGES = 2**20
 """Ranges of a schedule with photons from luminaires; as many as the other schedules have at most, and

@@ -30,9 +30,6 @@ MAX_RANGE = 4096
 MAX_CUT_RANGES = 2**16
 """Of a tile, in a schedule that was cut: the schedule is read often, and has four bytes for each."""
 
-MAX_JOB = MAX_RANGE * TILE_SIZE**2
-"""Photons: shortens the ranges of tiles that are larger than usual."""
-
 PHOTON_BUNDLE = 2**14
 """Forward photons, by which ranges of them are counted; as in worker/src/tile/photon_range.h."""
 
@@ -44,15 +41,19 @@ MAX_PHOTON_RANGE = 2**11
 """Bundles: 34 million photons are about half a minute where a photon takes 1 us, and a result for a film of
 two million pixels is then below 1 MB for each second of tracing. Where it takes longer, ranges are cut."""
 
+MAX_RANGE_OF_FEW_PIXELS = 2**8
+"""Bundles, the same of small films, whose results are small: as many photons as the longest range of a tile
+has, so that many threads have work. Between both films the longest range grows with the pixels."""
+
 
 class ForwardPhotons(Enum):
     """How photons from luminaires take part in a film."""
 
     NONE = "none"
     ALONE = "alone"
-    """They bring all light; the film is one tile."""
+    """They bring all light; tiles have no ranges."""
     BESIDE = "beside"
-    """With adjoint photons: in one tile with these where the film is small, else in separate ranges."""
+    """With adjoint photons, which have those of tiles."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,49 +83,47 @@ def make_schedule(
     are traced; 0: 1. Raises InputError with the places `$.width`, `$.height`, `$.samples`, and `$.scene` for
     the names.
     """
+    further = len(further_responses)
     problems = [*_edge_problems("$.width", width), *_edge_problems("$.height", height)]
-    has_ratio = forward_photons is ForwardPhotons.BESIDE and forward_ratio not in (0.0, 1.0)
-    one_tile = not has_ratio and _is_one_tile(width * height, forward_photons, len(further_responses))
     if not problems:
-        problems.extend(_size_problems(width, height, forward_photons, len(further_responses)))
+        problems.extend(_size_problems(width, height, forward_photons, further))
     problems.extend(Problem("$.scene", message) for message in name_problems(further_responses))
     if not 1 <= samples <= limits.MAX_SAMPLES:
         problems.append(Problem("$.samples", f"is {samples}; expected 1 to {limits.MAX_SAMPLES}"))
     if problems:
         raise InputError(problems)
-    longest = MAX_RANGE
-    if one_tile:
-        longest = min(MAX_RANGE, max(FIRST_RANGE, MAX_JOB // (width * height)))
-        if samples // longest > limits.MAX_FORWARD_RANGES:
-            most = limits.MAX_FORWARD_RANGES * longest
-            raise InputError.at(
-                "$.samples", f"is {samples}; at most {most} of this film, with photons from luminaires"
-            )
+    has_ratio = forward_photons is ForwardPhotons.BESIDE and forward_ratio not in (0.0, 1.0)
     schedule = job_pb2.RangeSchedule(
         width=width,
         height=height,
-        tile_size=max(width, height) if one_tile else _tile_size(len(further_responses)),
-        range_ends=_range_ends(samples, longest),
+        tile_size=_tile_size(further),
+        range_ends=() if forward_photons is ForwardPhotons.ALONE else _range_ends(samples, MAX_RANGE),
         further_responses=further_responses,
         photons_per_sample=photons_per_sample if photons_per_sample > 1 else 0,
         forward_ratio=forward_ratio if has_ratio else 0.0,
     )
-    if forward_photons is ForwardPhotons.BESIDE and not one_tile:
-        photons_of_sample = width * height * ratio_of(schedule)
-        bundles = math.ceil(photons_of_sample * samples / PHOTON_BUNDLE)
-        if bundles // MAX_PHOTON_RANGE > limits.MAX_FORWARD_RANGES:
-            most = int(limits.MAX_FORWARD_RANGES * MAX_PHOTON_RANGE * PHOTON_BUNDLE / photons_of_sample)
-            raise InputError.at(
-                "$.samples", f"is {samples}; at most {most} of this film, with photons from luminaires"
-            )
-        first = min(FIRST_PHOTON_RANGE, _power_of_two(FIRST_RANGE * photons_of_sample / PHOTON_BUNDLE))
-        schedule.photon_range_ends.extend(_range_ends(bundles, MAX_PHOTON_RANGE, first))
+    if forward_photons is not ForwardPhotons.NONE:
+        schedule.photon_range_ends.extend(_photon_range_ends(schedule, samples))
     planned = ranges_planned(schedule)
     if planned > limits.MAX_RANGES:
         raise InputError.at(
             "$.samples", f"{samples} samples of this film are {planned} jobs; at most {limits.MAX_RANGES}"
         )
     return schedule
+
+
+def _photon_range_ends(schedule: job_pb2.RangeSchedule, samples: int) -> list[int]:
+    pixels = schedule.width * schedule.height
+    of_sample = pixels * ratio_of(schedule)
+    bundles = math.ceil(of_sample * samples / PHOTON_BUNDLE)
+    longest = min(MAX_PHOTON_RANGE, max(MAX_RANGE_OF_FEW_PIXELS, _power_of_two(pixels / 2**10)))
+    if bundles // longest > limits.MAX_FORWARD_RANGES:
+        most = int(limits.MAX_FORWARD_RANGES * longest * PHOTON_BUNDLE / of_sample)
+        raise InputError.at(
+            "$.samples", f"is {samples}; at most {most} of this film, with photons from luminaires"
+        )
+    first = min(FIRST_PHOTON_RANGE, _power_of_two(FIRST_RANGE * of_sample / PHOTON_BUNDLE))
+    return _range_ends(bundles, longest, first)
 
 
 def extended_schedule(schedule: job_pb2.RangeSchedule, samples: int) -> job_pb2.RangeSchedule:
@@ -135,9 +134,6 @@ def extended_schedule(schedule: job_pb2.RangeSchedule, samples: int) -> job_pb2.
     at every power of two, the schedule is the new schedule, and so the bits are. Raises InputError at
     `$.samples`.
     """
-    before = list(schedule.range_ends)
-    if samples < before[-1]:
-        raise InputError.at("$.samples", f"is {samples}; a render of {before[-1]} can only get more")
     fresh = make_schedule(
         schedule.width,
         schedule.height,
@@ -147,23 +143,45 @@ def extended_schedule(schedule: job_pb2.RangeSchedule, samples: int) -> job_pb2.
         photons_per_sample=schedule.photons_per_sample,
         forward_ratio=schedule.forward_ratio,
     )
+    if _last(fresh) < _last(schedule):
+        more = f"is {samples}; a render of {samples_of(schedule)} can only get more"
+        raise InputError.at("$.samples", more)
     extended = job_pb2.RangeSchedule()
     extended.CopyFrom(schedule)
-    extended.range_ends[:] = _continued(before, fresh.range_ends)
-    if photons := list(schedule.photon_range_ends):
-        extended.photon_range_ends[:] = _continued(photons, fresh.photon_range_ends)
+    extended.range_ends[:] = _continued(schedule.range_ends, fresh.range_ends)
+    extended.photon_range_ends[:] = _continued(schedule.photon_range_ends, fresh.photon_range_ends)
     return extended
 
 
-def _continued(before: list[int], fresh: Iterable[int]) -> list[int]:
+def _last(schedule: job_pb2.RangeSchedule) -> int:
+    return (schedule.range_ends or schedule.photon_range_ends)[-1]
+
+
+def _continued(before: Sequence[int], fresh: Iterable[int]) -> list[int]:
     return [*before, *(end for end in fresh if end > before[-1])]
 
 
 def _forward_photons_of(schedule: job_pb2.RangeSchedule) -> ForwardPhotons:
-    if schedule.photon_range_ends:
-        return ForwardPhotons.BESIDE
-    one_tile = schedule.tile_size >= max(schedule.width, schedule.height) > TILE_SIZE
-    return ForwardPhotons.ALONE if one_tile else ForwardPhotons.NONE
+    if not schedule.photon_range_ends:
+        return ForwardPhotons.NONE
+    return ForwardPhotons.BESIDE if schedule.range_ends else ForwardPhotons.ALONE
+
+
+def samples_of(schedule: job_pb2.RangeSchedule) -> int:
+    """Of each pixel, in the whole render."""
+    return sample_ends(schedule)[-1]
+
+
+def sample_ends(schedule: job_pb2.RangeSchedule) -> Sequence[int]:
+    """The samples that each pixel has at the ends of ranges."""
+    pixels = schedule.width * schedule.height
+    return schedule.range_ends or [samples_by(bundles, pixels) for bundles in schedule.photon_range_ends]
+
+
+def samples_by(bundles: int, pixels: int) -> int:
+    """Of how many samples of each pixel an image by so many bundles of forward photons alone is; as
+    worker/src/tracer/trace_film.cpp has it."""
+    return max(1, bundles * PHOTON_BUNDLE // pixels)
 
 
 def ratio_of(schedule: job_pb2.RangeSchedule) -> float:
@@ -172,8 +190,19 @@ def ratio_of(schedule: job_pb2.RangeSchedule) -> float:
 
 
 def entries_of(schedule: job_pb2.RangeSchedule) -> int:
-    """Of a manifest: its tiles, and one more for forward photons that have separate ranges."""
+    """Of a manifest: its tiles, and one more for forward photons."""
     return TileGrid.of(schedule).count + bool(schedule.photon_range_ends)
+
+
+def manifest_of(schedule: job_pb2.RangeSchedule, samples: Iterable[tuple[int, int]]) -> list[int]:
+    """A manifest, from what is known of some entries. Samples of a tile to which forward photons bring all
+    light are those of the image, and none of its own."""
+    found = [0] * entries_of(schedule)
+    photons = TileGrid.of(schedule).count
+    for index, count in samples:
+        if schedule.range_ends or index == photons:
+            found[index] = count
+    return found
 
 
 def ranges_planned(schedule: job_pb2.RangeSchedule) -> int:
@@ -208,26 +237,15 @@ def recut_schedule(
     return recut
 
 
-def _is_one_tile(pixels: int, forward_photons: ForwardPhotons, further: int) -> bool:
-    """Whether forward photons and all else are jobs of the whole film, as the result of one is small."""
-    small = pixels <= limits.MAX_FORWARD_PIXELS * XYZ_SUMS // sums_per_pixel(further)
-    return forward_photons is ForwardPhotons.ALONE or (forward_photons is ForwardPhotons.BESIDE and small)
-
-
 def _size_problems(
     width: int, height: int, forward_photons: ForwardPhotons, further: int
 ) -> Iterator[Problem]:
-    most, of = {
-        ForwardPhotons.NONE: (limits.MAX_FILM_PIXELS, ""),
-        ForwardPhotons.ALONE: (limits.MAX_FORWARD_PIXELS, " of a scene with photons from luminaires alone"),
-        ForwardPhotons.BESIDE: (limits.MAX_BOTH_PIXELS, " of a scene with photons from luminaires"),
-    }[forward_photons]
+    most, of = limits.MAX_FILM_PIXELS, ""
+    if forward_photons is not ForwardPhotons.NONE:
+        most, of = limits.MAX_FORWARD_PIXELS, " of a scene with photons from luminaires"
     most = most * XYZ_SUMS // sums_per_pixel(further)
     if width * height > most:
         yield Problem("$.width", f"the film{of} has {width * height} pixels; at most {most}")
-    edge = limits.MAX_BOTH_EDGE
-    if forward_photons is ForwardPhotons.BESIDE and max(width, height) > edge:
-        yield Problem("$.width", f"the film{of} is {max(width, height)} pixels wide or high; at most {edge}")
 
 
 def _edge_problems(place: str, edge: int) -> list[Problem]:
@@ -294,27 +312,36 @@ class TileGrid:
 
 
 class RangeList:
-    """Ranges of a schedule, found by index or by their first sample."""
+    """Ranges of a schedule, found by index or by their first sample; there may be none."""
 
-    def __init__(self, ends: Iterable[int]) -> None:
-        self._ends = list(ends)
-        self._index_by_first = {first: index for index, first in enumerate([0, *self._ends[:-1]])}
+    def __init__(self, ends: Sequence[int]) -> None:
+        self.ends = list(ends)
+        self._index_by_first = {first: index for index, first in enumerate([0, *self.ends[:-1]])}
 
     def __len__(self) -> int:
-        return len(self._ends)
+        return len(self.ends)
 
     def __getitem__(self, index: int) -> SampleRange:
         """Range `index`, 0 <= index < len(self)."""
-        return SampleRange(index, self._ends[index - 1] if index else 0, self._ends[index])
+        return SampleRange(index, self.end_of(index), self.ends[index])
+
+    @property
+    def end(self) -> int:
+        """Of the last one."""
+        return self.end_of(len(self))
+
+    def end_of(self, ranges: int) -> int:
+        """Where so many ranges end; 0: none."""
+        return self.ends[ranges - 1] if ranges > 0 else 0
 
     def find(self, first: int, end: int) -> SampleRange | None:
         """The planned range [first, end), if there is one."""
         index = self._index_by_first.get(first)
-        return self[index] if index is not None and self._ends[index] == end else None
+        return self[index] if self.ends and index is not None and self.ends[index] == end else None
 
     def merged_at(self, samples: int) -> int:
         """How many ranges a tile has behind it after `samples` samples; ValueError if no range ends there."""
-        if samples == self._ends[-1]:
+        if samples == self.end:
             return len(self)
         if samples not in self._index_by_first:
             raise ValueError(f"{samples} samples are not the end of a planned range")

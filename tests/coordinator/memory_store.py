@@ -198,7 +198,7 @@ class MemoryPreviews(Previews):
         with self._ledger.leases.holding(render.id, render.row.fence):
             self._store.images[render.id] = {
                 index: (render.film.samples(index), render.film.tile_bytes(index))
-                for index in range(len(render.film.tiles))
+                for index in range(len(render.film.queues))
             }
 
     def write_bundle(self, render: RunningRender, failed: FailedTile) -> None:

@@ -163,6 +163,7 @@ def expected_film(folder: DataFolder, render_id: str, samples: dict[int, int]) -
         for position in range(planned.ranges.merged_at(end)):
             total += simulated_sums(planned.job(index, planned.ranges[position]), planned.further)
         film.load(index, end, total.encode())
+    film.loaded()
     return film
 
 

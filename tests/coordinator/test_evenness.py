@@ -11,6 +11,7 @@ from heapq import heappop, heappush
 import numpy as np
 import pytest
 from nocturne_coordinator.dispatch import range_queue
+from nocturne_coordinator.dispatch.range_queue import RangeQueue
 from nocturne_coordinator.dispatch.scheduler import JobKey, Scheduler
 from nocturne_coordinator.dispatch.trust import RangeEnd, confirmed
 from nocturne_scene.ranges import make_schedule
@@ -23,7 +24,7 @@ def mean_cost() -> float:
     """Samples until an error is confirmed, in times of those that have it where all tiles have as many."""
     ends = [0, *make_schedule(1024, 1024, 2**15).range_ends]
     scheduler, chance = Scheduler(), random.Random(1)
-    scheduler.add("r", [bytearray(len(ends) - 1) for _ in range(TILES)])
+    scheduler.add("r", [RangeQueue(bytearray(len(ends) - 1)) for _ in range(TILES)])
     samples, done = np.zeros(TILES), [0] * TILES
     held: set[tuple[int, int]] = set()
     waiting: list[JobKey] = []

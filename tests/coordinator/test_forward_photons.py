@@ -6,11 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from nocturne.v1 import job_pb2
-from nocturne_coordinator.dispatch.admission import forward_ranges
+from nocturne_coordinator.dispatch.forward_photons import photon_commit_seconds
 from nocturne_coordinator.dispatch.merge import MergeResult, RangeSums
 from nocturne_coordinator.dispatch.planned_render import PlannedRender, RefusedResult
+from nocturne_coordinator.dispatch.range_queue import RangeQueue
 from nocturne_coordinator.dispatch.records import OpenRender, RenderCommit, RenderState, TileRow, Totals
-from nocturne_coordinator.dispatch.running_render import RunningRender, photon_commit_seconds
+from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.scheduler import JobKey, Scheduler
 from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions
 from nocturne_coordinator.store.data_folder import DataFolder
@@ -95,7 +96,7 @@ def test_photon_ranges_are_merged_in_order_and_once(schedule: job_pb2.RangeSched
     render = _running(schedule)
     verdicts = [render.offer(PHOTONS, _photons(render.planned, i, i + 1), 0.0).verdict for i in (1, 0, 1, 2)]
     assert verdicts == [MergeResult.EARLY, MergeResult.MERGED, MergeResult.DUPLICATE, MergeResult.MERGED]
-    assert render.film.bundles == 4
+    assert render.film.manifest()[PHOTONS] == 4
     assert render.totals.photons == 4 * PHOTON_BUNDLE
     assert render.film.mean_samples == 0.0
 
@@ -104,8 +105,8 @@ def test_what_is_shown_are_the_sums_of_both(schedule: job_pb2.RangeSchedule) -> 
     render = _running(schedule)
     _merge_all(render)
     film = render.film
-    tile = film.tiles[3].sums
-    photons = film.tiles[PHOTONS].sums
+    tile = film.queues[3].sums
+    photons = film.queues[PHOTONS].sums
     part = replace(
         photons,
         pixels=photons.pixels[32:, 32:],
@@ -160,7 +161,7 @@ def test_a_render_goes_on_with_what_was_committed(schedule: job_pb2.RangeSchedul
     np.testing.assert_array_equal(again.film.sums, render.film.sums)
     np.testing.assert_array_equal(again.film.counts, render.film.counts)
     np.testing.assert_array_equal(
-        again.film.tiles[PHOTONS].sums.pixels, render.film.tiles[PHOTONS].sums.pixels
+        again.film.queues[PHOTONS].sums.pixels, render.film.queues[PHOTONS].sums.pixels
     )
 
 
@@ -219,6 +220,59 @@ def test_photons_end_when_no_tile_needs_more(schedule: job_pb2.RangeSchedule) ->
     assert render.film.complete
 
 
+@pytest.fixture
+def alone() -> job_pb2.RangeSchedule:
+    schedule = make_schedule(WIDTH, HEIGHT, 8, forward_photons=ForwardPhotons.ALONE)
+    schedule.photon_range_ends[:] = [1, 2, 4, 8, 16, 32, 64]
+    return schedule
+
+
+def _taken_up_again(render: RunningRender) -> RunningRender:
+    render.commit_photons_next()
+    commit = render.changes(1.0, 1.0)
+    assert commit is not None
+    assert commit.photon_bundles == 0, "its photons are samples of pixels"
+    return RunningRender(render.row, reversed([*commit.tiles]))
+
+
+def test_forward_photons_alone_are_the_image(alone: job_pb2.RangeSchedule) -> None:
+    """A photon's worth is a pixel's samples over all photons; an image by them has as many samples as pixels
+    have photons."""
+    render = _running(alone)
+    film = render.film
+    assert (film.horizon(0), film.horizon(PHOTONS), film.tiles_done) == (0, 7, 0)
+    for index in range(3):
+        render.offer(PHOTONS, _photons(render.planned, index), 0.0)
+    assert (film.counts == 4 * PHOTON_BUNDLE // (WIDTH * HEIGHT)).all()
+    assert film.mean_samples == 4 * PHOTON_BUNDLE // (WIDTH * HEIGHT)
+    mean = film.sums[..., 1] / film.counts
+    np.testing.assert_allclose(mean, 3.0 * WIDTH * HEIGHT / (4 * PHOTON_BUNDLE), rtol=1e-14)
+    assert film.manifest() == [0, 0, 0, 0, 4]
+    again = _taken_up_again(render)
+    assert again.film.manifest() == [0, 0, 0, 0, 4]
+    np.testing.assert_array_equal(again.film.sums, film.sums)
+    np.testing.assert_array_equal(again.film.counts, film.counts)
+    for index in range(3, 7):
+        assert not film.complete
+        render.offer(PHOTONS, _photons(render.planned, index), 0.0)
+    assert film.complete
+    assert film.tiles_done == TILES
+
+
+def test_forward_photons_alone_end_by_the_error_of_the_film(alone: job_pb2.RangeSchedule) -> None:
+    """Where b photons of value 1 fall on each pixel, its error is 1 / sqrt(b): 0.25 by 16, and 0.18 by 32."""
+    render = _running(alone, StopConditions(tile_relative_error=0.3))
+    for index, bundles in enumerate([1, 1, 2, 4, 8]):
+        render.offer(PHOTONS, _photons(render.planned, index, bundles), 0.0)
+    assert not render.film.complete
+    assert render.film.horizon(PHOTONS) == 6
+    render = _taken_up_again(render)
+    assert not render.film.complete
+    render.offer(PHOTONS, _photons(render.planned, 5, 16), 0.0)
+    assert render.film.complete
+    assert _taken_up_again(render).film.complete
+
+
 @pytest.mark.parametrize(
     "spoil",
     [
@@ -245,7 +299,10 @@ def test_both_kinds_go_on_together() -> None:
     scheduler = Scheduler()
     tiles = planned.grid.count
     counts = [len(planned.ranges_of(index)) for index in range(tiles + 1)]
-    scheduler.add("r", [bytearray(count) for count in counts], forward=forward_ranges(planned))
+    turns = [planned.turns_of(index) for index in range(tiles + 1)]
+    scheduler.add(
+        "r", [RangeQueue(bytearray(count), turns=of) for count, of in zip(counts, turns, strict=True)]
+    )
     order: list[JobKey] = []
     while keys := scheduler.take(1):
         order.extend(keys)

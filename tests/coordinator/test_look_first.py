@@ -1,6 +1,7 @@
 """A part of the film that goes first: its tiles, and the jobs that are published then."""
 
 import pytest
+from nocturne_coordinator.dispatch.range_queue import RangeQueue
 from nocturne_coordinator.dispatch.region import Region
 from nocturne_coordinator.dispatch.scheduler import Scheduler
 from nocturne_scene.errors import InputError
@@ -44,7 +45,7 @@ def _taken(scheduler: Scheduler, count: int) -> list[tuple[int, int]]:
 
 def test_the_whole_frame_once_and_then_what_was_asked_for() -> None:
     scheduler = Scheduler()
-    scheduler.add("a", [bytearray(3) for _ in range(4)])
+    scheduler.add("a", [RangeQueue(bytearray(3)) for _ in range(4)])
     scheduler.set_first("a", frozenset({2}))
     assert _taken(scheduler, 8) == [(0, 0), (0, 1), (0, 2), (0, 3), (1, 2), (2, 2), (1, 0), (2, 0)]
 
@@ -52,7 +53,7 @@ def test_the_whole_frame_once_and_then_what_was_asked_for() -> None:
 def test_asking_in_the_middle_and_taking_it_back() -> None:
     """Nothing is lost and nothing comes twice, whenever the wish changes."""
     scheduler = Scheduler()
-    scheduler.add("a", [bytearray(3) for _ in range(4)])
+    scheduler.add("a", [RangeQueue(bytearray(3)) for _ in range(4)])
     taken = _taken(scheduler, 5)
     scheduler.set_first("a", frozenset({3}))
     taken += _taken(scheduler, 2)

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from nocturne.v1 import job_pb2
 from nocturne_coordinator import limits
 from nocturne_coordinator.dispatch.audit import Auditor
-from nocturne_coordinator.dispatch.merge import MergeResult, RangeSums, TileState
-from nocturne_coordinator.dispatch.range_queue import InvalidTransition, RangeState
+from nocturne_coordinator.dispatch.merge import Accumulator, MergeResult, RangeSums
+from nocturne_coordinator.dispatch.range_queue import InvalidTransition, RangeQueue, RangeState
 from nocturne_coordinator.dispatch.records import OpenRender, RenderState, TileRow, Totals, WorkerRow
 from nocturne_coordinator.dispatch.result_handler import ResultHandler
 from nocturne_coordinator.dispatch.running_render import RunningRender
@@ -35,7 +35,7 @@ def tile_range(index: int, value: float = 1.0) -> RangeSums:
     values=st.lists(st.floats(0, 1e20), min_size=limits.RANGES_AHEAD, max_size=limits.RANGES_AHEAD),
 )
 def test_a_tile_adds_in_sample_order(order: list[int], repeats: list[int], values: list[float]) -> None:
-    tile = TileState(TileSums.zeros(1, 1, 2))
+    tile = Accumulator(TileSums.zeros(1, 1, 2))
     merged = []
     for index in [*order, *repeats]:
         merged += [each.index for each in tile.offer(tile_range(index, values[index]))[1]]
@@ -48,7 +48,7 @@ def test_a_tile_adds_in_sample_order(order: list[int], repeats: list[int], value
 
 
 def test_a_tile_says_what_became_of_a_range() -> None:
-    tile = TileState(TileSums.zeros(1, 1, 2))
+    tile = Accumulator(TileSums.zeros(1, 1, 2))
     assert tile.offer(tile_range(1))[0] is MergeResult.EARLY
     assert tile.offer(tile_range(1))[0] is MergeResult.DUPLICATE
     assert tile.offer(tile_range(limits.RANGES_AHEAD))[0] is MergeResult.TOO_EARLY
@@ -72,7 +72,7 @@ class Session:
         row = OpenRender("r", RenderState.RUNNING, schedule, "5c" * 32, job_pb2.ENGINE_CURRENT, Totals())
         self.render = RunningRender(row, tiles or [])
         self.scheduler = Scheduler()
-        self.scheduler.add("r", self.render.range_states())
+        self.scheduler.add("r", self.render.range_queues())
         state = State(settings or Settings(), self.scheduler, Auditor(0.0, 0.0), {"r": self.render})
         state.fleet.seen((WorkerRow(WORKER, job_pb2.ENGINE_CURRENT, 1, 0, 0, 0.0, 0, 0.0, 0.0),))
         self.intake = ResultHandler(state)
@@ -88,7 +88,7 @@ class Session:
             self.scheduler.published(key, b"%d" % self.entries, 0.0)
             self.stream[key] = b"%d" % self.entries
         # One more for each tile, where all that is in flight waits for earlier ranges.
-        assert self.scheduler.in_flight <= window + len(self.render.film.tiles)
+        assert self.scheduler.in_flight <= window + len(self.render.film.queues)
 
     def deliver(self, data: bytes) -> list[bytes]:
         outcome = self.intake.take(b"0-1", data, 1.0, 0.5)
@@ -105,7 +105,7 @@ class Session:
 
     def check_sums(self) -> None:
         planned = self.render.planned
-        for index, tile in enumerate(self.render.film.tiles):
+        for index, tile in enumerate(self.render.film.queues):
             height, width, _ = tile.sums.pixels.shape
             total = TileSums.zeros(width, height, self._further_responses)
             for position in range(tile.merged):
@@ -144,7 +144,7 @@ def test_any_faults_give_every_range_once(seed: int, samples: int, window: int, 
                 film = session.render.film
                 tiles = [
                     TileRow(index, film.samples(index), film.tile_bytes(index))
-                    for index, tile in enumerate(film.tiles)
+                    for index, tile in enumerate(film.queues)
                     if tile.merged
                 ]
                 session = Session(samples, tiles, responses)
@@ -165,7 +165,7 @@ def test_the_whole_frame_comes_first() -> None:
 def test_two_ranges_of_a_tile_come_together_however_fast_results_come() -> None:
     tiles = 60
     scheduler = Scheduler()
-    scheduler.add("a", [bytearray(20) for _ in range(tiles)])
+    scheduler.add("a", [RangeQueue(bytearray(20)) for _ in range(tiles)])
     for first in ([0], [1, 2], [3, 4]):
         given = scheduler.take(len(first) * tiles)
         assert given == [JobKey("a", tile, index) for tile in range(tiles) for index in first]
@@ -181,13 +181,13 @@ def test_a_slow_tile_does_not_stop_the_others() -> None:
         for key in [key for key in session.stream if key.tile_index != 0]:
             del session.stream[key]
             session.deliver(session.result(key).SerializeToString())
-    assert all(tile.merged > limits.RANGES_AHEAD for tile in session.render.film.tiles[1:])
+    assert all(tile.merged > limits.RANGES_AHEAD for tile in session.render.film.queues[1:])
 
 
 def test_renders_take_turns() -> None:
     scheduler = Scheduler()
-    scheduler.add("a", [bytearray(3) for _ in range(2)])
-    scheduler.add("b", [bytearray(3) for _ in range(2)])
+    scheduler.add("a", [RangeQueue(bytearray(3)) for _ in range(2)])
+    scheduler.add("b", [RangeQueue(bytearray(3)) for _ in range(2)])
     assert [key.render_id for key in scheduler.take(6)] == ["a", "b"] * 3
     for key in scheduler.take(1):
         scheduler.published(key, b"7-0", 0.0)
@@ -198,7 +198,7 @@ def test_renders_take_turns() -> None:
 
 def test_a_range_goes_only_where_the_table_leads() -> None:
     scheduler = Scheduler()
-    scheduler.add("a", [bytearray(2)])
+    scheduler.add("a", [RangeQueue(bytearray(2))])
     key = JobKey("a", 0, 0)
     assert scheduler.take(2) == [key, JobKey("a", 0, 1)]
     with pytest.raises(InvalidTransition, match="tile=0 range=0 is PUBLISHED and can't become COMPLETED"):
@@ -220,7 +220,7 @@ def test_a_range_goes_only_where_the_table_leads() -> None:
 
 def test_overdue_follows_the_typical_time() -> None:
     scheduler = Scheduler()
-    scheduler.add("a", [bytearray(1) for _ in range(2)])
+    scheduler.add("a", [RangeQueue(bytearray(1)) for _ in range(2)])
     first, second = scheduler.take(2)
     scheduler.published(first, b"1-0", 0.0)
     scheduler.published(second, b"2-0", 0.0)
@@ -236,7 +236,7 @@ def test_a_window_full_of_later_ranges_makes_room_for_the_first() -> None:
     """Found by the search of all interleavings: merged but uncommitted ranges are lost with the coordinator,
     and Redis still has later ranges of the same tiles, as many as the window holds."""
     scheduler = Scheduler()
-    scheduler.add("r", [bytearray(10) for _ in range(2)])
+    scheduler.add("r", [RangeQueue(bytearray(10)) for _ in range(2)])
     later = [JobKey("r", tile, index) for tile in range(2) for index in (1, 2, 3)]
     for key in later:
         scheduler.published(key, b"1", 0.0)

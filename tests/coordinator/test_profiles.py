@@ -15,6 +15,7 @@ from nocturne_coordinator.dispatch.profiles import (
     should_start_anew,
     usual_profiles,
 )
+from nocturne_coordinator.dispatch.range_queue import RangeQueue
 from nocturne_coordinator.dispatch.records import UNKNOWN_CLASS, OpenRender, RenderState, Totals, WorkerRow
 from nocturne_coordinator.dispatch.result_handler import ResultHandler
 from nocturne_coordinator.dispatch.running_render import RunningRender
@@ -95,7 +96,7 @@ def test_an_odd_result_touches_nothing() -> None:
     )
     render = RunningRender(row, [])
     scheduler, auditor = Scheduler(), Auditor(1.0, 1.0)
-    scheduler.add("r", render.range_states())
+    scheduler.add("r", render.range_queues())
     state = State(Settings(), scheduler, auditor, {"r": render})
     state.fleet.seen((worker("w", A), worker("odd", A)))
     handler = ResultHandler(state)
@@ -106,12 +107,12 @@ def test_an_odd_result_touches_nothing() -> None:
     result.floating_point_profile = B
     outcome = handler.take(b"2-1", result.SerializeToString(), 0.0, 0.5)
     assert (outcome.settled, outcome.withdrawn) == ([b"2-1"], [b"1-1"])
-    assert render.film.tiles[0].merged == 0
+    assert render.film.queues[0].merged == 0
     # Nor as an audit, which would blame a correct worker.
     scheduler.published(key, b"1-2", 0.0)
     result.floating_point_profile, result.worker_id = A, "w"
     handler.take(b"2-2", result.SerializeToString(), 0.0, 0.5)
-    assert render.film.tiles[0].merged == 1
+    assert render.film.queues[0].merged == 1
     assert auditor.is_open(JobKey("r", 0, 0))
     odd = simulated_result(job, "odd")
     odd.floating_point_profile, odd.partial.rays = B, odd.partial.rays + 1
@@ -121,8 +122,8 @@ def test_an_odd_result_touches_nothing() -> None:
 
 def test_renders_that_nobody_can_work_on_leave_the_window_to_others() -> None:
     scheduler = Scheduler()
-    scheduler.add("waits", [bytearray(4) for _ in range(4)])
-    scheduler.add("goes on", [bytearray(4) for _ in range(4)])
+    scheduler.add("waits", [RangeQueue(bytearray(4)) for _ in range(4)])
+    scheduler.add("goes on", [RangeQueue(bytearray(4)) for _ in range(4)])
     assert {key.render_id for key in scheduler.take(8, {"waits"})} == {"goes on"}
 
 

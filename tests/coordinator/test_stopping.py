@@ -193,8 +193,7 @@ class Adaptive:
         )
         self.render = RunningRender(row, tiles or [])
         self.scheduler = Scheduler()
-        horizon = [self.render.film.horizon(index) for index in range(6)]
-        self.scheduler.add("r", self.render.range_states(), horizon=horizon)
+        self.scheduler.add("r", self.render.range_queues())
         state = State(Settings(), self.scheduler, Auditor(0.0, 0.0), {"r": self.render})
         self.intake = ResultHandler(state)
         self.stream: dict[bytes, JobKey] = {}
@@ -226,7 +225,7 @@ class Adaptive:
         film = self.render.film
         return [
             TileRow(index, film.samples(index), film.tile_bytes(index), error_before=film.error_before(index))
-            for index, tile in enumerate(film.tiles)
+            for index, tile in enumerate(film.queues)
             if tile.merged
         ]
 
@@ -286,7 +285,7 @@ def test_noisy_tiles_get_the_work() -> None:
     everything = adaptive_run(0, 1, full)
     assert session.render.totals.photons < everything.render.totals.photons
     # A tile that is black so far may just not have met its light.
-    assert session.render.film.tiles[5].sums.pixels.sum() == 0.0
+    assert session.render.film.queues[5].sums.pixels.sum() == 0.0
 
 
 def test_little_is_traced_in_vain() -> None:
@@ -332,6 +331,7 @@ def at(stop: StopConditions, samples: Sequence[int]) -> list[RenderState | None]
             render = RunningRender(running(session, stop, Totals()), session.committed())
         for tile in session.committed():
             render.film.load(tile.tile_index, tile.samples, tile.sums)
+        render.film.loaded()
         render.totals.photons = session.render.totals.photons
         render.error_point(0.0)
         ending = render.ending(0.0, 0.0)

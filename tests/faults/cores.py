@@ -56,7 +56,7 @@ class Work:
 
     def check(self, render: RunningRender) -> None:
         """WentWrong unless the sums are those of the first ranges in order, each once."""
-        tile = render.film.tiles[0]
+        tile = render.film.queues[0]
         if tile.sums.encode() != self.prefixes[tile.merged]:
             raise WentWrong("sums that are not those of the first ranges in order")
         if render.totals.photons != self.samples(tile.merged):
@@ -87,7 +87,7 @@ class Core:
     """Ranges that it knows to be published."""
 
     def __post_init__(self) -> None:
-        tile = self.render.film.tiles[0]
+        tile = self.render.film.queues[0]
         object.__setattr__(self, "merged", tile.merged)
         object.__setattr__(self, "saved", self.states.count(RangeState.COMMITTED))
         out = frozenset(key.range_index for key in self.scheduler.entries().values())
@@ -96,7 +96,7 @@ class Core:
     @property
     def states(self) -> bytes:
         """Of its ranges; all else that it remembers of them is an index of these."""
-        return bytes(self.scheduler._queues["r"].states[0])
+        return bytes(self.scheduler._queues["r"].queues[0].states)
 
     def copied(self) -> tuple[RunningRender, Scheduler]:
         # What never changes is shared.
@@ -129,9 +129,9 @@ class Cores:
         if event not in self._known:
             render = self._work.render_at(committed)
             scheduler = Scheduler()
-            scheduler.add("r", render.range_states())
+            scheduler.add("r", render.range_queues())
             # As `Window.adopt`.
-            states = render.range_states()[0]
+            states = render.range_queues()[0].states
             wanted = [index for index in found if states[index] == RangeState.PLANNED]
             for index in wanted:
                 scheduler.published(self._work.keys[index], b"%d" % index, 0.0)

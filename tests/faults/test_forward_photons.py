@@ -1,8 +1,7 @@
-"""Real workers, photons of both directions, the forward ones in separate ranges: the service's image is
-that of `nocturne render` in every bit, whatever happens meanwhile.
+"""Real workers, and forward photons, beside adjoint ones and alone: the service's image is that of `nocturne
+render` in every bit, whatever happens meanwhile.
 
-Half a minute for a film that is too large for one tile; the same with simulated workers is in
-tests/coordinator."""
+Half a minute for a large film; the same with simulated workers is in tests/coordinator."""
 
 import json
 import subprocess
@@ -23,19 +22,21 @@ from tests.system.waiting import wait_for
 
 @dataclass(frozen=True)
 class Film:
-    """A render whose forward photons have separate ranges."""
+    """A render with forward photons."""
 
     width: int
     height: int
     samples: int
     forward_ratio: float
+    """0: they bring all light."""
     ranges: int
     """Of all tiles, and of forward photons."""
 
 
 # Four tiles; six million photons.
 MANY_PHOTONS = Film(64, 48, 32, 64, 4 * 4 + 4)
-# Just above the largest film that is one tile: 289 of them.
+# As many, on a film that light falls on.
+METER = Film(48, 32, 4096, 0, 10)
 LARGE = Film(520, 520, 8, 1, 17 * 17 * 2 + 3)
 
 
@@ -70,9 +71,16 @@ _SCENE: dict[str, Any] = {
     ],
 }
 """A lamp that a ball of metal mirrors onto a floor. Most of the film sees nothing, which costs little."""
+_METER = {
+    "type": "irradiance_meter",
+    "position": [0, 0, 0.1],
+    "normal": [0, 0, 1],
+    "up": [0, 1, 0],
+    "height": 1,
+}
 
 
-@pytest.fixture(scope="module", params=[MANY_PHOTONS, pytest.param(LARGE, marks=pytest.mark.soak)])
+@pytest.fixture(scope="module", params=[MANY_PHOTONS, METER, pytest.param(LARGE, marks=pytest.mark.soak)])
 def film(request: pytest.FixtureRequest) -> Film:
     found: Film = request.param
     return found
@@ -82,7 +90,10 @@ def film(request: pytest.FixtureRequest) -> Film:
 def scene(film: Film, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("scene") / "scene.json"
     tracing = {"direction": "both", "sharing": 1, "forward_ratio": film.forward_ratio}
-    path.write_text(json.dumps({**_SCENE, "tracing": tracing}))
+    document = {**_SCENE, "tracing": tracing}
+    if not film.forward_ratio:
+        document |= {"sensor": _METER, "tracing": {"direction": "forward"}}
+    path.write_text(json.dumps(document))
     return path
 
 

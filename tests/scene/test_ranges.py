@@ -13,8 +13,6 @@ from nocturne_scene import limits
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.errors import InputError
 from nocturne_scene.ranges import (
-    FIRST_RANGE,
-    MAX_JOB,
     MAX_PHOTON_RANGE,
     MAX_RANGE,
     PHOTON_BUNDLE,
@@ -24,6 +22,7 @@ from nocturne_scene.ranges import (
     TileGrid,
     extended_schedule,
     make_schedule,
+    samples_of,
 )
 from nocturne_scene.scene_ranges import schedule_for_scene
 
@@ -130,7 +129,8 @@ def test_a_scene_says_how_its_film_is_cut(tmp_path: Path) -> None:
     assert schedule == expected
     scene.tracing.direction = scene_pb2.DIRECTION_FORWARD
     schedule = schedule_for_scene(blobs, blobs.put(scene.SerializeToString()), 70, 33, 20)
-    assert (schedule.tile_size, schedule.photons_per_sample) == (70, 4)
+    assert (len(schedule.range_ends), len(schedule.photon_range_ends)) == (0, 3)
+    assert (schedule.tile_size, schedule.photons_per_sample) == (32, 4)
 
 
 def test_the_plan_is_spelled_as_ever() -> None:
@@ -140,24 +140,32 @@ def test_the_plan_is_spelled_as_ever() -> None:
     )
 
 
-@given(width=st.integers(1, 512), height=st.integers(1, 512), samples=st.integers(1, 20_000))
-def test_a_scene_with_photons_from_luminaires_has_one_tile_and_jobs_as_long_as_any(
-    width: int, height: int, samples: int
-) -> None:
+@given(width=st.integers(1, 4096), height=st.integers(1, 4096), samples=st.integers(1, 20_000))
+def test_forward_photons_alone_have_ranges_that_are_all(width: int, height: int, samples: int) -> None:
     schedule = make_schedule(width, height, samples, forward_photons=ForwardPhotons.ALONE)
-    grid = TileGrid.of(schedule)
-    assert grid.count == 1
-    assert (grid.tile(0).width, grid.tile(0).height) == (width, height)
-    ranges = RangeList(schedule.range_ends)
-    for index in range(len(ranges)):
-        length = ranges[index].end - ranges[index].first
-        assert length <= MAX_RANGE
-        assert length <= FIRST_RANGE or length * width * height <= MAX_JOB
-    assert schedule.range_ends[-1] == samples
+    assert schedule.tile_size == TILE_SIZE
+    assert not schedule.range_ends
+    lengths = np.diff([0, *schedule.photon_range_ends])
+    assert 0 < lengths.min() <= lengths.max() <= MAX_PHOTON_RANGE
+    photons = PHOTON_BUNDLE * schedule.photon_range_ends[-1]
+    assert 0 <= photons - width * height * samples < PHOTON_BUNDLE
+    assert samples_of(schedule) == photons // (width * height) >= samples
+    more = extended_schedule(schedule, 2 * samples)
+    assert list(more.photon_range_ends)[: len(lengths)] == list(schedule.photon_range_ends)
+    assert samples_of(more) >= 2 * samples
 
 
-@given(width=st.integers(600, 4096), height=st.integers(600, 4096), samples=st.integers(1, 500))
-def test_a_large_film_of_both_directions_has_tiles_and_ranges_of_photons(
+def test_ranges_of_photons_are_shorter_on_small_films() -> None:
+    """As long as those of tiles, up to films of 512 x 512; eight times as long from two million pixels on."""
+    edges = {32: 2**8, 512: 2**8, 1024: 2**10, 1448: 2**11, 4096: 2**11}
+    for edge, longest in edges.items():
+        schedule = make_schedule(edge, edge, 2**36 // edge**2, forward_photons=ForwardPhotons.ALONE)
+        assert np.diff(schedule.photon_range_ends).max() == longest
+    assert 2**8 * PHOTON_BUNDLE == MAX_RANGE * TILE_SIZE**2
+
+
+@given(width=st.integers(1, 4096), height=st.integers(1, 4096), samples=st.integers(1, 500))
+def test_a_film_of_both_directions_has_tiles_and_ranges_of_photons(
     width: int, height: int, samples: int
 ) -> None:
     schedule = make_schedule(width, height, samples, forward_photons=ForwardPhotons.BESIDE)
@@ -193,16 +201,13 @@ def test_forward_photons_that_are_not_as_many_as_adjoint_ones_have_ranges_on_any
     assert 0 <= photons - 2 * ratio * width * height * samples < PHOTON_BUNDLE
 
 
-def test_both_directions_have_one_tile_where_the_film_is_small() -> None:
-    both = make_schedule(512, 512, 64, forward_photons=ForwardPhotons.BESIDE)
-    assert both == make_schedule(512, 512, 64, forward_photons=ForwardPhotons.ALONE)
-    assert not both.photon_range_ends
-
-
-@pytest.mark.parametrize("film", [(16384, 64), (4097, 1000)])
-def test_both_directions_have_films_of_which_a_thread_can_hold_the_sums(film: tuple[int, int]) -> None:
-    with pytest.raises(InputError, match="at most 4096"):
-        make_schedule(*film, 4, forward_photons=ForwardPhotons.BESIDE)
+@pytest.mark.parametrize("film", [(16384, 1025), (4097, 4096)])
+@pytest.mark.parametrize("photons", [ForwardPhotons.BESIDE, ForwardPhotons.ALONE])
+def test_forward_photons_have_films_of_which_a_thread_can_hold_the_sums(
+    film: tuple[int, int], photons: ForwardPhotons
+) -> None:
+    with pytest.raises(InputError, match=f"at most {4096**2}"):
+        make_schedule(*film, 4, forward_photons=photons)
 
 
 def test_more_samples_continue_the_ranges_of_photons() -> None:
@@ -214,11 +219,7 @@ def test_more_samples_continue_the_ranges_of_photons() -> None:
     assert more.photon_range_ends[-1] == fresh.photon_range_ends[-1]
 
 
-@pytest.mark.parametrize(
-    ("film", "place"),
-    [((1024, 512, 1), "$.width"), ((512, 512, limits.MAX_SAMPLES), "$.samples")],
-)
-def test_a_film_that_is_too_large_for_one_tile_is_refused(film: tuple[int, int, int], place: str) -> None:
+def test_more_samples_than_ranges_of_photons_have_are_refused() -> None:
     with pytest.raises(InputError) as caught:
-        make_schedule(*film, forward_photons=ForwardPhotons.ALONE)
-    assert [problem.place for problem in caught.value.problems] == [place]
+        make_schedule(512, 512, limits.MAX_SAMPLES, forward_photons=ForwardPhotons.ALONE)
+    assert [problem.place for problem in caught.value.problems] == ["$.samples"]

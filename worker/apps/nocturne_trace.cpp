@@ -172,11 +172,10 @@ void run_film(const Options& options, const v1::CompiledScene& message,
   const double cpu_before = process_cpu_seconds();
   const auto wall_before = std::chrono::steady_clock::now();
   const auto progress = progress_on_stderr(options.quiet);
-  const auto [image, samples] =
-      options.sums.empty()
-          ? std::pair{trace_film(*scene, plan, options.threads, progress), plan.range_ends.back()}
-          : trace_film_by_ranges(*scene, plan, options.threads, progress,
-                                 asked_on_stdin(options.sums));
+  const auto [image, samples] = options.sums.empty()
+                                    ? trace_film(*scene, plan, options.threads, progress)
+                                    : trace_film_by_ranges(*scene, plan, options.threads, progress,
+                                                           asked_on_stdin(options.sums));
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - wall_before;
   const double cpu = process_cpu_seconds() - cpu_before;
 

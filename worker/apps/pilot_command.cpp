@@ -72,7 +72,7 @@ constexpr double kAimed = 0.6;
 
 double lessons(const FilmPlan& plan) {
   const double samples =
-      1.0 * plan.film.width * plan.film.height * static_cast<double>(plan.range_ends.back());
+      1.0 * plan.film.width * plan.film.height * static_cast<double>(plan.samples());
   return std::clamp(kLearnedFrom * samples, kMinLearnedFrom, kMaxLearnedFrom);
 }
 
@@ -119,7 +119,7 @@ void run_pilot_command(const PilotCommand& command, v1::CompiledScene message,
     scene->lights.set_learned(LearnedLight(LearnedLight::unpacked(learned_light)));
   }
   const PilotResult found = run_pilot(*scene, {.film = plan.film,
-                                               .samples = plan.range_ends.back(),
+                                               .samples = plan.samples(),
                                                .direction = open("direction"),
                                                .aim = open("aim") || !aims.empty(),
                                                .sharing = open("sharing"),

@@ -10,11 +10,10 @@ FilmPlan checked_schedule(const v1::RangeSchedule& schedule) {
   // The same bounds as the service's: 16384 pixels an edge, 2^26 in all.
   const auto pixels = static_cast<std::uint64_t>(schedule.width()) * schedule.height();
   // Blocks of pixels begin at a tile's corner.
-  const bool one_tile = schedule.tile_size() >= std::max(schedule.width(), schedule.height());
-  bool good = (one_tile || schedule.tile_size() % TileSums::kBlock == 0) && schedule.width() > 0 &&
+  bool good = schedule.tile_size() % TileSums::kBlock == 0 && schedule.width() > 0 &&
               schedule.width() <= 16384 && schedule.height() > 0 && schedule.height() <= 16384 &&
               pixels <= (1u << 26) && schedule.tile_size() > 0 && schedule.tile_size() <= 16384 &&
-              schedule.range_ends_size() > 0;
+              schedule.range_ends_size() + schedule.photon_range_ends_size() > 0;
   const auto increasing = [](const auto& ends) {
     return std::ranges::adjacent_find(ends, std::greater_equal()) == ends.end() &&
            (ends.empty() || ends[0] > 0);

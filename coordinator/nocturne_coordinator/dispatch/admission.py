@@ -1,6 +1,5 @@
 """Renders that come and go, as the data folder says. Pure."""
 
-from bisect import bisect_right
 from collections import Counter, deque
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
@@ -8,7 +7,7 @@ from heapq import heapify, heappop, heappush
 from itertools import pairwise
 
 from nocturne.v1 import job_pb2
-from nocturne_scene.ranges import PHOTON_BUNDLE, ranges_planned, ratio_of
+from nocturne_scene.ranges import ranges_planned
 from nocturne_scene.tile_sums import sums_per_pixel
 
 from nocturne_coordinator import limits
@@ -32,14 +31,11 @@ from nocturne_coordinator.dispatch.instructions import (
     TellWorkers,
     Withdraw,
 )
-from nocturne_coordinator.dispatch.planned_render import PlannedRender
 from nocturne_coordinator.dispatch.profiles import should_start_anew, usual_profiles
-from nocturne_coordinator.dispatch.range_queue import ForwardRanges
 from nocturne_coordinator.dispatch.records import OpenRender, RenderState
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.state import State
 from nocturne_coordinator.errors import FolderTrouble, LeaseLost
-from nocturne_coordinator.limits import photon_ranges_ahead
 
 _ODD_SECONDS = 10.0
 """How long most workers must round otherwise than a render's before it is started again: a worker's status
@@ -169,9 +165,7 @@ class Admission:
         state, render = self._state, self._state.renders[row.id]
         kept = render.planned.kept_in(row.schedule)
         state.settled.setdefault(row.id, []).extend(render.replan(row))
-        jobs = state.scheduler.replan(
-            row.id, kept, render.range_states(), render.film.horizons(), forward_ranges(render.planned)
-        )
+        jobs = state.scheduler.replan(row.id, kept, render.range_queues())
         state.failure_policy.forget(row.id)
         state.audits_end.pop(row.id, None)
         if jobs := [*jobs, *state.auditor.forget(row.id)]:
@@ -250,13 +244,11 @@ class Admission:
         self._state.renders[row.id] = render
         self._state.scheduler.add(
             row.id,
-            render.range_states(),
-            horizon=render.film.horizons(),
+            render.range_queues(),
             owner=row.owner,
             priority=row.priority,
             owner_weight=row.owner_weight,
             cost=render.cost,
-            forward=forward_ranges(render.planned),
         )
         if row.fence > 1:
             # Its results are read again, those too that were to be deleted when it was let go.
@@ -294,17 +286,6 @@ class Admission:
 def _longest(ends: Iterable[int]) -> int:
     """Of some ranges; 0: there are none."""
     return max((end - first for first, end in pairwise([0, *ends])), default=0)
-
-
-def forward_ranges(planned: PlannedRender) -> ForwardRanges | None:
-    """How ranges of forward photons go along with those of tiles."""
-    if planned.photon_ranges is None:
-        return None
-    firsts = [0, *planned.schedule.photon_range_ends[:-1]]
-    ends = planned.schedule.range_ends
-    of_sample = planned.pixels * ratio_of(planned.schedule)
-    turns = [bisect_right(ends, first * PHOTON_BUNDLE / of_sample) for first in firsts]
-    return ForwardRanges(planned.photon_index, turns, photon_ranges_ahead(planned.pixels))
 
 
 def _is_lost(render: RunningRender, rows: Mapping[str, OpenRender]) -> bool:

@@ -4,178 +4,185 @@ import math
 from bisect import bisect_left
 
 import numpy as np
-from nocturne_scene.photon_sums import with_photons
-from nocturne_scene.ranges import PHOTON_BUNDLE, ratio_of
+from nocturne_scene.ranges import PHOTON_BUNDLE, sample_ends
 from nocturne_scene.tile_sums import PRODUCTS, TileSums, decode
 
 from nocturne_coordinator.dispatch.error_estimate import ErrorEstimate, Squares, estimate_error
 from nocturne_coordinator.dispatch.film_sums import FilmSums
-from nocturne_coordinator.dispatch.merge import Counts, Offered, RangeSums, Sums, TileState
+from nocturne_coordinator.dispatch.forward_photons import ForwardPhotons
+from nocturne_coordinator.dispatch.merge import Accumulator, Counts, Offered, RangeSums, Sums
 from nocturne_coordinator.dispatch.planned_render import PlannedRender
 from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions
 from nocturne_coordinator.dispatch.trust import RangeEnd, confirmed, samples_to_stop
-from nocturne_coordinator.limits import photon_ranges_ahead
 
 
 class MergedFilm:
-    """Sums, and the merge state of every tile, which holds views into them.
-
-    Where forward photons have separate ranges they are merged like those of a tile after the last, whose
-    samples are bundles, and what is shown of a tile are the sums of both. It has no samples to show until it
-    has some of both kinds: a part of the light alone would look like an image.
-    """
+    """Sums, and an accumulator for each queue of ranges: those of tiles, which hold views into the sums, and
+    after them that of forward photons, if there are any."""
 
     def __init__(self, render: PlannedRender, stop: StopConditions | None = None) -> None:
         """`stop` says which tiles end before the schedule does. ValueError if it does not fit the
         schedule."""
-        height, width = render.schedule.height, render.schedule.width
-        self._shown = self._own = FilmSums.zeros(render.grid, render.further)
-        self._forward: FilmSums | None = None
-        self.counts: Counts = np.zeros((height, width), dtype=np.uint32)
-        self._tile_counts = [self.counts[self._own.area(index)] for index in range(render.grid.count)]
+        grid, schedule = render.grid, render.schedule
+        self._own = self._shown = FilmSums.zeros(grid, render.further)
+        self.counts: Counts = np.zeros((schedule.height, schedule.width), dtype=np.uint32)
+        self._tile_counts = [self.counts[self._own.area(index)] for index in range(grid.count)]
         self._pixels = [counts.size for counts in self._tile_counts]
-        if render.photon_ranges is not None:
-            self._own = FilmSums.zeros(render.grid, render.further)
-            self._forward = FilmSums.zeros(render.grid, render.further)
+        self.queues = [Accumulator(self._own.tile(index)) for index in range(grid.count)]
+        self.forward: ForwardPhotons | None = None
+        if render.photon_ranges:
+            self.forward = ForwardPhotons(render)
+            self.queues.append(self.forward.merged)
             self._pixels.append(PHOTON_BUNDLE)
-        self.tiles = [TileState(self._own.tile(index)) for index in range(render.grid.count)]
-        if self._forward is not None:
-            self.tiles.append(TileState(self._forward.whole, ahead=photon_ranges_ahead(render.pixels)))
+            self._shown = FilmSums.zeros(grid, render.further)
         self._stale: set[int] = set()
         """Tiles of which other sums are shown than there are by now."""
-        self._before = [RangeEnd()] * len(self.tiles)
-        self._now = [RangeEnd()] * len(self.tiles)
+        self._before = [RangeEnd()] * len(self.queues)
+        self._now = [RangeEnd()] * len(self.queues)
         self._plan(render, stop or EVERYTHING)
 
     def _plan(self, render: PlannedRender, stop: StopConditions) -> None:
         self._render, self._stop = render, stop
-        self._last = [len(render.ranges_of(index)) for index in range(len(self.tiles))]
+        if self.forward is not None:
+            self.forward.replan(render)
+        self._last = [len(render.ranges_of(index)) for index in range(len(self.queues))]
         if self._stop.tile_samples:
             self._last = [
                 render.ranges_of(index).merged_at(end) if end else 0
                 for index, end in enumerate(self._stop.tile_samples)
             ]
-        self._expected = [float(self._end(index, last)) for index, last in enumerate(self._last)]
-        for tile, last in zip(self.tiles, self._last, strict=True):
-            tile.closed = last == 0
-        self._unfinished = sum(not tile.closed for tile in self.tiles)
+        self._expected = [
+            float(render.ranges_of(index).end_of(last)) for index, last in enumerate(self._last)
+        ]
+        for queue, last in zip(self.queues, self._last, strict=True):
+            queue.closed = last == 0
+        self._unfinished = sum(not queue.closed for queue in self.queues)
 
     def replan(self, render: PlannedRender, stop: StopConditions) -> None:
         """Goes on by another schedule, which begins with the ranges that are merged or wait, and by other
         conditions."""
         self._plan(render, stop)
-        for index, state in enumerate(self.tiles):
-            if state.merged:
-                self._resume(index, self.error_before(index))
+        for index, queue in enumerate(self.queues):
+            if queue.merged:
+                self._note_end(index, self.error_before(index))
+        self.loaded()
 
     def load(
-        self, tile_index: int, samples: int, sums: bytes, error_before: float = 0.0, photons: bytes = b""
+        self, index: int, samples: int, sums: bytes, error_before: float = 0.0, photons: bytes = b""
     ) -> None:
-        """Puts back a tile as it was committed; ValueError if it doesn't fit the schedule. `error_before`:
-        see `error_before`. `photons`: sums of forward photons that fell on it; their number comes before the
-        tiles."""
-        state = self.tiles[tile_index]
-        if tile_index < self._render.grid.count:
+        """Puts back a queue as it was committed; ValueError if it doesn't fit the schedule. `error_before`:
+        see `error_before`. `photons`: sums of forward photons that fell on a tile; their number comes before
+        the tiles."""
+        queue, ranges = self.queues[index], self._render.ranges_of(index)
+        if self.forward is not None and photons and self.forward.bundles:
+            self.forward.tile(index).assign(self._decoded(index, photons))
+        # Where there are none, samples and sums are those that forward photons make.
+        if len(ranges):
             if sums:
-                state.sums.assign(self._decoded(tile_index, sums))
-            if self._forward is not None and photons and self.bundles:
-                self._forward.tile(tile_index).assign(self._decoded(tile_index, photons))
-        state.merged = self._render.ranges_of(tile_index).merged_at(samples) if samples else 0
-        self._resume(tile_index, error_before)
+                queue.sums.assign(self._decoded(index, sums))
+            queue.merged = ranges.merged_at(samples) if samples else 0
+        self._note_end(index, error_before)
 
-    def _resume(self, tile_index: int, error_before: float) -> None:
-        """A tile goes on where it stands, or has enough."""
-        state = self.tiles[tile_index]
-        closed = state.closed
-        self._now[tile_index] = RangeEnd(self._end(tile_index, state.merged - 1), error_before)
-        state.closed = closed or self._enough(tile_index, state)
-        self._advance(tile_index, not closed)
+    def _note_end(self, index: int, error_before: float) -> None:
+        if self._ends_by_error(index):
+            self._now[index] = RangeEnd(self._samples_at(self.queues[index].merged - 1), error_before)
+
+    def loaded(self) -> None:
+        """All that was committed is here."""
+        for index, queue in enumerate(self.queues):
+            closed = queue.closed
+            queue.closed = closed or (queue.merged > 0 and self._enough(index, queue))
+            self._advance(index, not closed)
 
     def _decoded(self, tile_index: int, sums: bytes) -> TileSums:
         tile = self._render.grid.tile(tile_index)
         return decode(sums, tile.width, tile.height, self._render.further)
 
-    def offer(self, tile_index: int, offered: RangeSums) -> Offered:
-        """Merges a range when its turn has come; see TileState.offer."""
-        state = self.tiles[tile_index]
-        outcome = state.offer(offered, lambda state: self._enough(tile_index, state))
+    def offer(self, index: int, offered: RangeSums) -> Offered:
+        """Merges a range when its turn has come; see Accumulator.offer."""
+        outcome = self.queues[index].offer(offered, lambda queue: self._enough(index, queue))
         if outcome.released:
-            self._advance(tile_index, True)
+            self._advance(index, True)
         return outcome
 
-    def give_up(self, tile_index: int) -> list[RangeSums]:
-        """The tile gets no more samples, whatever was asked for; gives ranges that waited for one before
+    def give_up(self, index: int) -> list[RangeSums]:
+        """The queue gets no more samples, whatever was asked for; gives ranges that waited for one before
         them."""
-        state = self.tiles[tile_index]
-        if state.closed:
+        queue = self.queues[index]
+        if queue.closed:
             return []
-        surplus = state.close()
-        self._advance(tile_index, True)
+        surplus = queue.close()
+        self._advance(index, True)
         return surplus
 
     @property
     def complete(self) -> bool:
-        """No tile needs more samples."""
+        """No tile needs more samples, and no more forward photons are needed."""
         return self._unfinished == 0
 
     @property
     def tiles_done(self) -> int:
         """Tiles that need no more samples."""
-        return min(self._render.grid.count, len(self.tiles) - self._unfinished)
+        if not self._render.ranges:
+            return self._render.grid.count if self.complete else 0
+        return min(self._render.grid.count, len(self.queues) - self._unfinished)
 
     @property
     def traced_samples(self) -> int:
-        """Pixels times samples of all tiles, and forward photons of separate ranges."""
+        """Pixels times samples of all tiles, and forward photons."""
         return sum(pixels * self.samples(index) for index, pixels in enumerate(self._pixels))
 
     @property
     def mean_samples(self) -> float:
         """Of a pixel."""
-        tiles = range(self._render.grid.count)
-        return sum(self._pixels[index] * self.samples(index) for index in tiles) / self._render.pixels
+        shown = (counts.size * self.samples_shown(index) for index, counts in enumerate(self._tile_counts))
+        return sum(shown) / self._render.pixels
 
     @property
     def expected_samples(self) -> float:
         """`traced_samples` when all tiles will be done, as far as is known now."""
         return float(np.dot(self._expected, self._pixels))
 
-    def horizons(self) -> list[int]:
-        """Of each tile."""
-        return [self.horizon(index) for index in range(len(self.tiles))]
+    def horizon(self, index: int) -> int:
+        """How many ranges are expected to be needed in all; at least one more than there are."""
+        queue = self.queues[index]
+        if not self._ends_by_error(index):
+            return self._last[index]
+        reached = bisect_left(self._render.ranges_of(index).ends, self._expected[index]) + 1
+        known = queue.merged > 0 and math.isfinite(self._expected[index])
+        return min(self._last[index], max(queue.merged + 1, reached if known else 0))
 
-    def horizon(self, tile_index: int) -> int:
-        """How many ranges the tile is expected to need in all; at least one more than it has."""
-        state = self.tiles[tile_index]
-        if not self._stop.tile_relative_error or self._is_forward(tile_index):
-            return self._last[tile_index]
-        reached = bisect_left(self._render.schedule.range_ends, self._expected[tile_index]) + 1
-        known = state.merged > 0 and math.isfinite(self._expected[tile_index])
-        return min(self._last[tile_index], max(state.merged + 1, reached if known else 0))
-
-    def samples(self, tile_index: int) -> int:
+    def samples(self, index: int) -> int:
         """Samples merged of a tile; of forward photons, bundles."""
-        return self._end(tile_index, self.tiles[tile_index].merged)
+        return self._render.ranges_of(index).end_of(self.queues[index].merged)
+
+    def samples_shown(self, tile_index: int) -> int:
+        """Of each pixel of a tile."""
+        samples = self.samples(tile_index)
+        return self.forward.samples_shown(samples) if self.forward else samples
 
     def manifest(self) -> list[int]:
-        """Samples of each tile."""
-        return [self.samples(index) for index in range(len(self.tiles))]
+        """Samples of each tile, and bundles of forward photons."""
+        return [self.samples(index) for index in range(len(self.queues))]
 
-    def error_before(self, tile_index: int) -> float:
-        """The trusted error of a tile at the range end before its last, which a stop by error goes by, too;
-        0: unknown."""
-        return self._before[tile_index].error
-
-    @property
-    def has_forward_ranges(self) -> bool:
-        return self._forward is not None
+    def error_before(self, index: int) -> float:
+        """The trusted error at the range end before the last, which a stop by error goes by, too; 0:
+        unknown."""
+        return self._before[index].error
 
     def tile_bytes(self, tile_index: int) -> bytes:
         """A tile's sums as they are committed; see TileSums.encode."""
-        return self.tiles[tile_index].sums.encode()
+        return self.queues[tile_index].sums.encode()
 
-    def photon_bytes(self, tile_index: int) -> bytes:
-        """The same of forward photons that fell on a tile."""
-        return self._forward.tile(tile_index).encode() if self._forward else b""
+    def photon_bytes(self, index: int) -> bytes:
+        """The same of forward photons that fell on a tile; empty: it is none."""
+        fell = self.forward.tile(index) if self.forward and index < self._render.photon_index else None
+        return fell.encode() if fell else b""
+
+    @property
+    def bundles_beside(self) -> int:
+        """Of forward photons that are no samples of pixels."""
+        return self.forward.bundles if self.forward and self._render.ranges else 0
 
     def shown_bytes(self, tile_index: int) -> bytes:
         """The same of both together; empty: there is nothing to show yet."""
@@ -195,7 +202,7 @@ class MergedFilm:
     @property
     def numbers_held(self) -> int:
         """Of pixels, in memory."""
-        return self._shown.whole.pixels.size * (3 if self._forward else 1)
+        return self._shown.whole.pixels.size * (3 if self.forward else 1)
 
     @property
     def squares(self) -> Squares:
@@ -205,23 +212,10 @@ class MergedFilm:
         tiles = whole.tile_products.reshape(-1, grid.columns, PRODUCTS)
         return Squares(whole.block_products, tiles, grid.tile_size)
 
-    def _is_forward(self, tile_index: int) -> bool:
-        return tile_index == self._render.grid.count
-
-    @property
-    def bundles(self) -> int:
-        """Merged bundles of forward photons in separate ranges."""
-        return self.samples(self._render.photon_index) if self._forward else 0
-
     def _together(self, tile_index: int) -> TileSums | None:
         """A tile's sums of both kinds of photons; None: one of them has not come."""
-        own, samples = self.tiles[tile_index].sums, self.samples(tile_index)
-        if self._forward is None:
-            return own
-        if not (self.bundles and samples):
-            return None
-        photons = self._forward.tile(tile_index)
-        return with_photons(own, samples, photons, self.bundles, self._render.pixels)
+        own = self.queues[tile_index].sums
+        return self.forward.with_own(tile_index, own, self.samples(tile_index)) if self.forward else own
 
     def _refresh(self) -> None:
         for index in self._stale:
@@ -229,48 +223,68 @@ class MergedFilm:
                 self._shown.tile(index).assign(both)
         self._stale.clear()
 
-    def _end(self, tile_index: int, merged: int) -> int:
-        return self._render.ranges_of(tile_index)[merged - 1].end if merged > 0 else 0
+    def _samples_at(self, merged: int) -> int:
+        """Of a pixel, when so many ranges were merged of a queue that ends by its error."""
+        return sample_ends(self._render.schedule)[merged - 1] if merged > 0 else 0
 
-    def _enough(self, tile_index: int, state: TileState) -> bool:
-        """Whether a tile needs no more: asked at the end of each range, answered from its own sums."""
-        if state.merged >= self._last[tile_index]:
+    def _ends_by_error(self, index: int) -> bool:
+        """Whether an error that was asked for of tiles ends the queue: forward photons alone fall where they
+        do, and end by that of the film; beside adjoint ones, with all tiles."""
+        is_tile = index != self._render.photon_index
+        return bool(self._stop.tile_relative_error) and (is_tile or not self._render.ranges)
+
+    def _enough(self, index: int, queue: Accumulator) -> bool:
+        """Whether no more is needed: asked at the end of each range, answered from the sums."""
+        if queue.merged >= self._last[index]:
             return True
-        asked = self._stop.tile_relative_error
-        if not asked:
+        if not self._ends_by_error(index):
+            return bool(self._stop.tile_relative_error) and self._tiles_have_enough()
+        estimate = self._estimate_of(index)
+        if estimate is None:
             return False
-        if self._is_forward(tile_index):
-            return self._tiles_have_enough()
-        sums = self._together(tile_index)
+        asked, ends = self._stop.tile_relative_error, sample_ends(self._render.schedule)
+        before, now = self._now[index], RangeEnd.of(estimate)
+        self._before[index], self._now[index] = before, now
+        samples = samples_to_stop(estimate, self._samples_at(queue.merged), asked, ends)
+        # Of forward photons, bundles.
+        ranges = min(self._last[index], bisect_left(ends, samples) + 1)
+        self._expected[index] = float(self._render.ranges_of(index).end_of(ranges))
+        return confirmed(before, now, asked)
+
+    def _estimate_of(self, index: int) -> ErrorEstimate | None:
+        """Of a tile, or by forward photons of the film; None: it has nothing to show yet."""
+        if index == self._render.photon_index:
+            self._show_photons()
+            return self.estimate()
+        sums, samples = self._together(index), self.samples_shown(index)
         if sums is None:
-            return False
-        samples = self._end(tile_index, state.merged)
+            return None
         counts = np.full(sums.pixels.shape[:2], samples, dtype=np.uint32)
         squares = Squares(sums.block_products, sums.tile_products[None], self._render.grid.tile_size)
-        estimate = estimate_error(sums.pixels, counts, squares)
-        before, now = self._now[tile_index], RangeEnd.of(estimate)
-        self._before[tile_index], self._now[tile_index] = before, now
-        expected = samples_to_stop(estimate, samples, asked, self._render.schedule.range_ends)
-        last = float(self._end(tile_index, self._last[tile_index]))
-        self._expected[tile_index] = min(last, expected)
-        return confirmed(before, now, asked)
+        return estimate_error(sums.pixels, counts, squares)
 
     def _tiles_have_enough(self) -> bool:
         """Whether no tile needs more forward photons than there are: all have ended, and none has more
         adjoint ones for each pixel."""
         tiles = range(self._render.grid.count)
         most = max(self.samples(index) for index in tiles)
-        return all(self.tiles[index].closed for index in tiles) and (
-            self.bundles * PHOTON_BUNDLE >= most * self._render.pixels * ratio_of(self._render.schedule)
+        return all(self.queues[index].closed for index in tiles) and bool(
+            self.forward and self.forward.are_as_many_as(most)
         )
 
-    def _advance(self, tile_index: int, was_open: bool) -> None:
-        state = self.tiles[tile_index]
-        tiles = range(self._render.grid.count) if self._is_forward(tile_index) else [tile_index]
-        self._stale.update(tiles if self._forward else ())
+    def _show_photons(self) -> None:
+        """Forward photons came: all tiles show others."""
+        tiles = range(self._render.grid.count)
+        self._stale.update(tiles)
         for index in tiles:
-            known = self._forward is None or self.bundles
-            self._tile_counts[index].fill(self.samples(index) if known else 0)
-        if state.closed:
-            self._expected[tile_index] = float(self.samples(tile_index))
+            self._tile_counts[index].fill(self.samples_shown(index))
+
+    def _advance(self, index: int, was_open: bool) -> None:
+        if index == self._render.photon_index:
+            self._show_photons()
+        else:
+            self._stale.update([index] if self.forward else ())
+            self._tile_counts[index].fill(self.samples_shown(index))
+        if self.queues[index].closed:
+            self._expected[index] = float(self.samples(index))
             self._unfinished -= was_open

@@ -1,4 +1,5 @@
-"""The ordered merge of one tile: every planned range exactly once, in sample order, in float64. Pure.
+"""The ordered merge of one queue of ranges, of a tile or of forward photons: each exactly once, in order, in
+float64. Pure.
 
 Floating-point addition depends on its order, so a range that comes early waits for those before it: the sums
 are then, bit for bit, those of one process that traces the ranges one after the other.
@@ -25,7 +26,7 @@ Counts = npt.NDArray[np.uint32]
 
 @dataclass(frozen=True, slots=True)
 class RangeSums:
-    """The checked partial result of one range of one tile."""
+    """The checked partial result of one range."""
 
     index: int
     """Of the range in its schedule."""
@@ -60,29 +61,29 @@ class Offered(NamedTuple):
     released: list[RangeSums]
     """Merged now: it and those that waited for it."""
     surplus: list[RangeSums]
-    """Waited, and are of no use: the tile needs no more."""
+    """Waited, and are of no use: no more are needed."""
 
 
-def never(_: "TileState") -> bool:
-    """The tile goes on to its last planned range."""
+def never(_: "Accumulator") -> bool:
+    """It goes on to its last planned range."""
     return False
 
 
 @dataclass(slots=True)
-class TileState:
+class Accumulator:
     """Sums of the first `merged` ranges, and ranges that wait."""
 
     sums: TileSums
     """May be views into the film's arrays; changed in place."""
+    ahead: int = RANGES_AHEAD
+    """Ranges that may be in flight or wait."""
     merged: int = 0
     waiting: dict[int, RangeSums] = field(default_factory=dict)
     closed: bool = False
     """Gets no more samples."""
-    ahead: int = RANGES_AHEAD
-    """Ranges that may be in flight or wait."""
 
-    def offer(self, offered: RangeSums, enough: Callable[["TileState"], bool] = never) -> Offered:
-        """Takes a range. `enough` is asked at the end of each merged range: whether that was the tile's
+    def offer(self, offered: RangeSums, enough: Callable[["Accumulator"], bool] = never) -> Offered:
+        """Takes a range. `enough` is asked at the end of each merged range: whether that was the
         last."""
         if self.closed or offered.index < self.merged or offered.index in self.waiting:
             return Offered(MergeResult.DUPLICATE, [], [])

@@ -1,5 +1,6 @@
 """A render as the coordinator schedules it, and the check that a result belongs to it. Pure."""
 
+from bisect import bisect_right
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache, cached_property
@@ -9,7 +10,7 @@ import numpy as np
 from google.protobuf.message import DecodeError
 from nocturne.v1 import job_pb2
 from nocturne_scene.photon_sums import PackedPhotons
-from nocturne_scene.ranges import PHOTON_BUNDLE, RangeList, SampleRange, TileGrid, entries_of
+from nocturne_scene.ranges import PHOTON_BUNDLE, RangeList, SampleRange, TileGrid, entries_of, ratio_of
 from nocturne_scene.tile_sums import (
     BLOCK,
     PIXEL_SQUARES,
@@ -50,46 +51,52 @@ class PlannedRender:
 
     @cached_property
     def ranges(self) -> RangeList:
+        """Of tiles; none where forward photons bring all light."""
         return RangeList(self.schedule.range_ends)
 
     @cached_property
-    def photon_ranges(self) -> RangeList | None:
-        """Of forward photons, where they have ranges of their own: those of a tile after the last."""
-        ends = self.schedule.photon_range_ends
-        return RangeList(ends) if ends else None
+    def photon_ranges(self) -> RangeList:
+        """Of forward photons."""
+        return RangeList(self.schedule.photon_range_ends)
 
     def kept_in(self, schedule: job_pb2.RangeSchedule) -> list[int]:
-        """Per tile, how many of its first ranges another schedule of the render has, too."""
-        kept = [_same(self.schedule.range_ends, schedule.range_ends)] * self.grid.count
-        if self.photon_ranges is not None:
-            kept.append(_same(self.schedule.photon_range_ends, schedule.photon_range_ends))
-        return kept
+        """Per queue, how many of its first ranges another schedule of the render has, too."""
+        of_tiles = _same(self.schedule.range_ends, schedule.range_ends)
+        photons = [_same(self.schedule.photon_range_ends, schedule.photon_range_ends)]
+        return [of_tiles] * self.grid.count + photons * (self.queues - self.grid.count)
 
     @property
     def photon_index(self) -> int:
-        """Index of the tile that stands for forward photons of the whole film."""
+        """Index of the queue of forward photons, after those of tiles."""
         return self.grid.count
 
-    def ranges_of(self, tile_index: int) -> RangeList:
-        """Of a tile, or of forward photons."""
-        if self.photon_ranges is not None and tile_index == self.photon_index:
-            return self.photon_ranges
-        return self.ranges
+    def ranges_of(self, index: int) -> RangeList:
+        """Of a queue."""
+        return self.photon_ranges if index == self.photon_index else self.ranges
+
+    def turns_of(self, index: int) -> list[int] | None:
+        """Of each range of forward photons, that of tiles whose samples begin as late: both kinds go on
+        together. None: of a tile, or tiles have none."""
+        if index != self.photon_index or not self.ranges:
+            return None
+        of_sample = self.pixels * ratio_of(self.schedule)
+        firsts = [0, *self.photon_ranges.ends[:-1]]
+        return [bisect_right(self.ranges.ends, first * PHOTON_BUNDLE / of_sample) for first in firsts]
 
     @cached_property
-    def tiles(self) -> int:
-        """Of the film, and one more for forward photons that have separate ranges."""
+    def queues(self) -> int:
+        """Of ranges: one for each tile, and one for forward photons."""
         return entries_of(self.schedule)
 
     @property
     def pixels(self) -> int:
         return self.schedule.width * self.schedule.height
 
-    def photons_in(self, tile_index: int, planned: SampleRange) -> int:
-        """That a range takes."""
+    def photons_in(self, index: int, planned: SampleRange) -> int:
+        """That a range of a queue takes."""
         size = PHOTON_BUNDLE
-        if tile_index < self.grid.count:
-            tile = self.grid.tile(tile_index)
+        if index < self.photon_index:
+            tile = self.grid.tile(index)
             size = tile.width * tile.height
         return (planned.end - planned.first) * size * self.photons_per_sample
 
@@ -102,13 +109,13 @@ class PlannedRender:
         """Number of further responses."""
         return len(self.schedule.further_responses)
 
-    def job(self, tile_index: int, planned: SampleRange) -> job_pb2.Job:
-        forward = tile_index >= self.grid.count
+    def job(self, index: int, planned: SampleRange) -> job_pb2.Job:
+        forward = index == self.photon_index
         film = job_pb2.Tile(width=self.schedule.width, height=self.schedule.height)
         return job_pb2.Job(
             render_id=self.id,
-            tile_index=tile_index,
-            tile=film if forward else self.grid.tile(tile_index),
+            tile_index=index,
+            tile=film if forward else self.grid.tile(index),
             photons_by_tiles_of=self.schedule.tile_size if forward else 0,
             first_sample=planned.first,
             end_sample=planned.end,
@@ -124,8 +131,8 @@ class PlannedRender:
         But for the floating-point profile, of which the first jobs of a render have none (results tell their
         own), and the bound on processor time, which follows the render's measured costs.
         """
-        if job.tile_index >= self.tiles:
-            raise RefusedResult(f"tile {job.tile_index} of {self.tiles}")
+        if job.tile_index >= self.queues:
+            raise RefusedResult(f"tile {job.tile_index} of {self.queues}")
         planned = self.ranges_of(job.tile_index).find(job.first_sample, job.end_sample)
         if planned is None:
             raise RefusedResult(f"samples [{job.first_sample}, {job.end_sample}) are not a planned range")

@@ -1,6 +1,7 @@
-"""The ranges of one render: the state of each, and the order in which planned ones are published. Pure."""
+"""The ranges of one render, in a queue for each tile and one for forward photons: the state of each, and the
+order in which planned ones are published. Pure."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
 from heapq import heappop, heappush
@@ -13,7 +14,7 @@ the tile's sums are at hand. More would leave other tiles behind for too long (d
 
 
 class RangeState(IntEnum):
-    """Where a range of a tile stands; docs/explanation/queue.md says where its samples are."""
+    """Where a range stands; docs/explanation/queue.md says where its samples are."""
 
     PLANNED = 0
     PUBLISHED = 1
@@ -24,9 +25,9 @@ class RangeState(IntEnum):
     """Its result is in the film."""
     COMMITTED = 4
     FAILED = 5
-    """Its tile has failed, and gets no more samples."""
+    """Its queue has failed, and gets no more samples."""
     UNNEEDED = 6
-    """Its tile has all the samples that it needs."""
+    """No more of its queue are needed."""
 
 
 _PLANNED, _PUBLISHED, _HELD, _COMPLETED, _COMMITTED, *_CLOSED = RangeState
@@ -55,110 +56,121 @@ class FairShare:
     virtual_time: float = 0.0
 
 
-@dataclass(frozen=True, slots=True)
-class ForwardRanges:
-    """Ranges of forward photons, which are those of a tile after the last."""
+@dataclass(slots=True)
+class RangeQueue:
+    """The ranges of a tile, or of forward photons, in order."""
 
-    tile: int
-    turns: list[int]
-    """Of each, the range of tiles whose samples begin as late: both kinds go on together."""
-    ahead: int
+    states: bytearray
+    """Of each range. All else that is known of ranges is an index or a count of these."""
+    horizon: int = -1
+    """Ranges that are expected to be needed; -1: all."""
+    ahead: int = RANGES_AHEAD
     """How many may be in flight or wait."""
+    turns: Sequence[int] | None = None
+    """Of each range, that of tiles which begins as late, where all kinds go on together; None: its index."""
+    following: int = field(default=-1, init=False)
+    """The range to publish next; -1: none is planned, `ahead` of them are in flight, or all that should be
+    needed."""
+
+    def __post_init__(self) -> None:
+        if self.horizon < 0:
+            self.horizon = len(self.states)
+
+    @property
+    def done(self) -> int:
+        """How many of the first ranges are completed or committed."""
+        return self.states.count(_COMPLETED) + self.states.count(_COMMITTED)
+
+    def next(self) -> int:
+        """What `following` should be."""
+        done = self.done
+        return self.states.find(_PLANNED, done, min(done + self.ahead, self.horizon))
+
+    def turn(self, index: int) -> tuple[int, bool]:
+        """When a range is to be published: with the first of those that come together. Forward photons go
+        before tiles, as they take longest."""
+        turn = self.turns[index] if self.turns else index
+        return turn - (turn - 1) % TOGETHER if turn > 0 else 0, self.turns is None
 
 
 @dataclass(slots=True)
-class RangeQueue:
-    """The ranges of one render."""
+class RenderQueues:
+    """The queues of one render."""
 
     render_id: str
-    states: list[bytearray]
-    """Per tile, the state of each range. All else that is known of ranges is an index or a count of these."""
-    horizon: list[int]
-    """Per tile, the ranges that it is expected to need."""
+    queues: Sequence[RangeQueue]
     owner: str
     share: FairShare
     cost: Callable[[int, int], float]
-    """Of a tile's range, by the indices of both, in any unit that all renders have in common."""
-    forward: ForwardRanges | None = None
+    """Of a queue's range, by the indices of both, in any unit that all renders have in common."""
     ready: list[tuple[bool, int, bool, int, int]] = field(init=False)
-    """Heap of (may wait, turn, is a tile, tile, range to publish next): earlier ranges first, so the whole
-    frame is first. Ranges of forward photons go before those of tiles, as they take longest. An entry counts
-    while `following` names its range."""
-    following: list[int] = field(init=False)
-    """Per tile, the range to publish next; -1: none is planned, RANGES_AHEAD of them are in flight, or all
-    that the tile should need."""
+    """Heap of (may wait, turn, queue, range to publish next): earlier ranges first, so the whole frame is
+    first. An entry counts while `following` names its range."""
     first: frozenset[int] = field(init=False)
-    """Tiles that somebody wants to see first; empty: all are alike."""
+    """Queues that somebody wants to see first; empty: all are alike."""
     in_flight: int = 0
     """Ranges that are published or held."""
 
     def __post_init__(self) -> None:
         self.order(frozenset())
 
+    def take(self, queues: Sequence[RangeQueue]) -> None:
+        """Other ranges in the place of all."""
+        self.queues = queues
+        self.in_flight = sum(queue.states.count(each) for queue in queues for each in IN_FLIGHT)
+        self.order(self.first)
+
     def order(self, first: frozenset[int]) -> None:
-        """Rebuilds the heap, with these tiles before the others."""
-        self.first, self.ready, self.following = first, [], [-1] * len(self.states)
-        for tile in range(len(self.states)):
-            self._follow(tile)
+        """Rebuilds the heap, with these queues before the others."""
+        self.first, self.ready = first, []
+        for number, queue in enumerate(self.queues):
+            queue.following = -1
+            self._follow(number)
 
-    def expect(self, tile: int, ranges: int) -> None:
-        """How many ranges the tile is expected to need."""
-        self.horizon[tile] = ranges
-        self._follow(tile)
+    def expect(self, number: int, ranges: int) -> None:
+        """How many ranges of a queue are expected to be needed."""
+        self.queues[number].horizon = ranges
+        self._follow(number)
 
-    def done(self, tile: int) -> int:
-        """How many of a tile's first ranges are completed or committed."""
-        return self.states[tile].count(_COMPLETED) + self.states[tile].count(_COMMITTED)
-
-    def move(self, tile: int, index: int, to: RangeState) -> None:
+    def move(self, number: int, index: int, to: RangeState) -> None:
         """Brings a range to another state; InvalidTransition where none leads there."""
-        before = RangeState(self.states[tile][index])
+        states = self.queues[number].states
+        before = RangeState(states[index])
         if to not in _TRANSITIONS.get(before, ()):
-            place = f"render={self.render_id} tile={tile} range={index}"
+            place = f"render={self.render_id} tile={number} range={index}"
             raise InvalidTransition(f"{place} is {before.name} and can't become {to.name}")
-        self.states[tile][index] = to
+        states[index] = to
         self.in_flight += (to in IN_FLIGHT) - (before in IN_FLIGHT)
-        self._follow(tile)
+        self._follow(number)
 
     def pop(self) -> tuple[int, int] | None:
-        """Tile and range to publish next, if there is one; it is to be moved to published."""
+        """Queue and range to publish next, if there is one; it is to be moved to published."""
         while self.ready:
-            *_, tile, index = heappop(self.ready)
-            if self.following[tile] == index:
-                return tile, index
+            *_, number, index = heappop(self.ready)
+            if self.queues[number].following == index:
+                return number, index
         return None
 
     def problem(self) -> str:
         """The first fault in the indexes, empty if there is none; for tests."""
-        entries = {(tile, index) for *_, tile, index in self.ready}
-        for tile, index in enumerate(self.following):
-            if index != self._next_of(tile) or (index >= 0 and (tile, index) not in entries):
-                return f"render={self.render_id} tile={tile} range={index} would never be published"
-        in_flight = sum(states.count(each) for states in self.states for each in IN_FLIGHT)
+        entries = {(number, index) for *_, number, index in self.ready}
+        for number, queue in enumerate(self.queues):
+            index = queue.following
+            if index != queue.next() or (index >= 0 and (number, index) not in entries):
+                return f"render={self.render_id} tile={number} range={index} would never be published"
+        in_flight = sum(queue.states.count(each) for queue in self.queues for each in IN_FLIGHT)
         return (
             "" if in_flight == self.in_flight else f"render={self.render_id} has {in_flight} ranges in flight"
         )
 
-    def _follow(self, tile: int) -> None:
-        """Puts the tile in the heap with the range to publish next, unless it is there."""
-        index = self._next_of(tile)
-        if index == self.following[tile]:
+    def _follow(self, number: int) -> None:
+        """Puts the queue in the heap with the range to publish next, unless it is there."""
+        queue = self.queues[number]
+        index = queue.next()
+        if index == queue.following:
             return
-        self.following[tile] = index
+        queue.following = index
         if index >= 0:
             # Every tile's first range goes before all others: there is always a whole frame.
-            may_wait = bool(self.first) and index > 0 and tile not in self.first
-            forward = self._forward(tile)
-            turn = forward.turns[index] if forward else index
-            if turn > 0:
-                # The first of those that come together.
-                turn -= (turn - 1) % TOGETHER
-            heappush(self.ready, (may_wait, turn, forward is None, tile, index))
-
-    def _next_of(self, tile: int) -> int:
-        done, forward = self.done(tile), self._forward(tile)
-        ahead = forward.ahead if forward else RANGES_AHEAD
-        return self.states[tile].find(_PLANNED, done, min(done + ahead, self.horizon[tile]))
-
-    def _forward(self, tile: int) -> ForwardRanges | None:
-        return self.forward if self.forward and tile == self.forward.tile else None
+            may_wait = bool(self.first) and index > 0 and number not in self.first
+            heappush(self.ready, (may_wait, *queue.turn(index), number, index))

@@ -177,7 +177,7 @@ class ResultHandler:
             self._give_back(key, outcome)
         else:
             outcome.withdrawn.extend(self._state.scheduler.received(key, now))
-        waiting = render.film.tiles[key.tile_index].waiting.get(key.range_index)
+        waiting = render.film.queues[key.tile_index].waiting.get(key.range_index)
         if verdict is MergeResult.DUPLICATE and waiting is not None and waiting.entry == offered.entry:
             # The stream is read again from its start, and this very entry is still to be merged.
             return
@@ -207,7 +207,7 @@ class ResultHandler:
     ) -> None:
         scheduler = self._state.scheduler
         scheduler.completed(render.id, tile_index, merged)
-        if render.film.tiles[tile_index].closed:
+        if render.film.queues[tile_index].closed:
             outcome.withdrawn.extend(scheduler.finish_tile(render.id, tile_index, RangeState.UNNEEDED))
         else:
             scheduler.expect(render.id, tile_index, render.film.horizon(tile_index))

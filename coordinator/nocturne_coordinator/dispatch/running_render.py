@@ -9,15 +9,16 @@ from dataclasses import replace
 from typing import cast
 
 from nocturne.v1 import job_pb2
-from nocturne_scene.ranges import FIRST_RANGE, SampleRange, recut_schedule
+from nocturne_scene.ranges import FIRST_RANGE, SampleRange, recut_schedule, sample_ends, samples_of
 
 from nocturne_coordinator.dispatch.error_estimate import ErrorEstimate
 from nocturne_coordinator.dispatch.film import MergedFilm
 from nocturne_coordinator.dispatch.forecast import Forecast, Measured, forecast
+from nocturne_coordinator.dispatch.forward_photons import photon_commit_seconds
 from nocturne_coordinator.dispatch.job_cost import JOB_SECONDS, longest_range, max_cpu_seconds
 from nocturne_coordinator.dispatch.merge import Offered, RangeSums
 from nocturne_coordinator.dispatch.planned_render import PlannedRender
-from nocturne_coordinator.dispatch.range_queue import RangeState
+from nocturne_coordinator.dispatch.range_queue import RangeQueue, RangeState
 from nocturne_coordinator.dispatch.records import (
     ErrorPoint,
     FailedTile,
@@ -35,18 +36,8 @@ _RATE_SECONDS = 10.0
 _USUAL_COST = 1e-6
 """Processor seconds per photon, before anything was measured: what the example scenes cost."""
 
-_PHOTON_COMMIT_SECONDS = (2.0, 30.0)
-_PIXELS_A_SECOND = 2**14
-
 _HISTORY_STEP = 1.01
 """A point of the error's history for every 1 % more photons: about 1400 for a render of a million samples."""
-
-
-def photon_commit_seconds(pixels: int) -> float:
-    """Between two commits of forward photons, which fall on all tiles: they write sums of the whole film
-    three times, which a small one is soon done with."""
-    least, most = _PHOTON_COMMIT_SECONDS
-    return min(most, max(least, pixels / _PIXELS_A_SECOND))
 
 
 class RunningRender:
@@ -92,20 +83,21 @@ class RunningRender:
         self._history_photons = 0.0
         self._contributors: dict[int, set[str]] = {}
         self._since = now
-        self._invalid_samples = [0] * len(self.film.tiles)
+        self._invalid_samples = [0] * len(self.film.queues)
         for tile in tiles:
             own = tile.own or tile.sums
             self.film.load(tile.tile_index, tile.samples, own, tile.error_before, tile.photons)
             self._invalid_samples[tile.tile_index] = tile.invalid_samples
+        self.film.loaded()
         for tile_index in self.failed_tiles:
             self.film.give_up(tile_index)
-        self.totals.ranges = sum(state.merged for state in self.film.tiles)
+        self.totals.ranges = sum(queue.merged for queue in self.film.queues)
         self.totals.photons = self.film.traced_samples * self.planned.photons_per_sample
         self._job_seconds = job_seconds
         self._longest: dict[bool, int] = {}
         """Samples to which ranges of tiles are to be cut, and bundles to which those of forward photons."""
         self.committing: Sequence[int] = ()
-        """Tiles of the last commit; one after the last: forward photons."""
+        """Queues of the last commit."""
         self._photon_entries: list[bytes] = []
         """Results whose forward photons are merged and not committed yet: that is a whole film."""
         self._next_photon_commit = now + photon_commit_seconds(self.planned.pixels)
@@ -122,7 +114,7 @@ class RunningRender:
     def can_replan(self, row: OpenRender) -> bool:
         """Whether all that is merged is of ranges that the row's schedule has, too."""
         kept = self.planned.kept_in(row.schedule)
-        return all(tile.merged <= most for tile, most in zip(self.film.tiles, kept, strict=True))
+        return all(tile.merged <= most for tile, most in zip(self.film.queues, kept, strict=True))
 
     def replan(self, row: OpenRender) -> list[bytes]:
         """Goes on by the row's schedule and conditions, where it can; gives entries of results that waited
@@ -130,7 +122,7 @@ class RunningRender:
         kept = self.planned.kept_in(row.schedule)
         surplus = [
             state.waiting.pop(index)
-            for state, most in zip(self.film.tiles, kept, strict=True)
+            for state, most in zip(self.film.queues, kept, strict=True)
             for index in [each for each in state.waiting if each >= most]
         ]
         # Its time of running is counted here.
@@ -142,23 +134,24 @@ class RunningRender:
         self.film.replan(self.planned, row.stop)
         for tile_index in self.failed_tiles:
             surplus += self.film.give_up(tile_index)
-        for state in self.film.tiles:
+        for state in self.film.queues:
             surplus += state.close() if state.closed else []
         self._dirty_totals = True
         return [each.entry for each in surplus]
 
-    def range_states(self) -> list[bytearray]:
-        """Per tile, the state of each range, when all that is merged is committed."""
+    def range_queues(self) -> list[RangeQueue]:
+        """Of tiles, and of forward photons, when all that is merged is committed."""
         found = []
-        for index, tile in enumerate(self.film.tiles):
+        for index, queue in enumerate(self.film.queues):
             closed = RangeState.FAILED if index in self.failed_tiles else RangeState.UNNEEDED
-            states = bytearray([closed if tile.closed else 0]) * len(self.planned.ranges_of(index))
-            states[: tile.merged] = bytes([RangeState.COMMITTED]) * tile.merged
-            found.append(states)
+            states = bytearray([closed if queue.closed else 0]) * len(self.planned.ranges_of(index))
+            states[: queue.merged] = bytes([RangeState.COMMITTED]) * queue.merged
+            turns = self.planned.turns_of(index)
+            found.append(RangeQueue(states, self.film.horizon(index), queue.ahead, turns))
         return found
 
     def offer(self, tile_index: int, offered: RangeSums, now: float) -> Offered:
-        """Merges a range when its turn has come; see TileState.offer."""
+        """Merges a range when its turn has come; see Accumulator.offer."""
         outcome = self.film.offer(tile_index, offered)
         for merged in outcome.released:
             self.totals.ranges += 1
@@ -224,7 +217,7 @@ class RunningRender:
 
     def _complete(self) -> str:
         self._judge()
-        stop, last = self.row.stop, self.planned.schedule.range_ends[-1]
+        stop, last = self.row.stop, samples_of(self.planned.schedule)
         if self.estimate.mean <= 0.0:
             return f"No light was found: all pixels are black after {self.estimate.samples} samples."
         if stop.tile_samples:
@@ -235,7 +228,7 @@ class RunningRender:
         if not stop.tile_relative_error:
             return ""
         tiles = self.planned.grid.count
-        full = sum(samples == last for samples in self.film.manifest()[:tiles])
+        full = sum(self.film.samples_shown(index) == last for index in range(tiles))
         met = tiles - len(self.failed_tiles) - full
         have = f"{met} tiles have relative error {stop.tile_relative_error:.3%}"
         return f"{have}, {full} all {last} samples: they do not, or their error is not to be trusted."
@@ -276,7 +269,7 @@ class RunningRender:
             photons_wanted=self.film.expected_samples * per_sample,
             mean_samples=self.film.mean_samples,
             estimate=self.estimate,
-            range_ends=self.planned.schedule.range_ends,
+            range_ends=sample_ends(self.planned.schedule),
             photons_per_second=rate,
             cpu_seconds=self.totals.cpu_seconds,
             ran_seconds=self.ran_seconds(now),
@@ -308,7 +301,7 @@ class RunningRender:
     def _completed(self, forward: bool) -> int:
         """Samples that some tile has, or bundles of forward photons: their ranges stay as they are."""
         samples = self.film.manifest()
-        tiles = self.planned.grid.count
+        tiles = self.planned.photon_index
         return max(samples[tiles:] if forward else samples[:tiles])
 
     def _learn_cost(
@@ -317,7 +310,7 @@ class RunningRender:
         """A range took so long: those of its tile that may be published by now do so for each sample."""
         ranges = self.planned.ranges_of(tile_index)
         took = ranges[range_index]
-        ahead = self.film.tiles[tile_index].ahead + 1 if ahead is None else ahead
+        ahead = self.film.queues[tile_index].ahead + 1 if ahead is None else ahead
         last = min(range_index + ahead, len(ranges)) - 1
         following = ranges[last]
         samples = following.end - following.first
@@ -342,7 +335,7 @@ class RunningRender:
 
     def waiting_entries(self) -> list[bytes]:
         """Result entries of ranges that wait for earlier ones."""
-        waiting = [early.entry for state in self.film.tiles for early in state.waiting.values()]
+        waiting = [early.entry for queue in self.film.queues for early in queue.waiting.values()]
         return [*waiting, *self._photon_entries]
 
     def commit_photons_next(self) -> None:
@@ -361,19 +354,19 @@ class RunningRender:
         self._last_rate = rate
         self.committing = sorted(self._dirty)
         if with_photons:
-            self.committing = range(self.planned.tiles)
+            self.committing = range(self.planned.queues)
             self._next_photon_commit = now + photon_commit_seconds(self.planned.pixels)
         return RenderCommit(
             self.id,
             self.row.fence,
-            TileRows(self.committing, self._whole_row if with_photons else self._tile_row),
+            TileRows(self.committing, self._whole_row if with_photons else self._row),
             self.totals,
             rate,
             ran_seconds=self.ran_seconds(now),
             tiles_done=self.film.tiles_done,
             forecast=self.forecast(now, unix_time, rate),
             contributors=self._contributors,
-            photon_bundles=self.film.bundles,
+            photon_bundles=self.film.bundles_beside,
             failed_tiles=tuple(self.failed_tiles.values()),
             floating_point_profile=self.floating_point_profile,
         )
@@ -383,17 +376,20 @@ class RunningRender:
         is_due = now >= self._next_photon_commit or self._condition_met(now, unix_time) is not None
         return bool(self._photon_entries) and is_due
 
-    def _tile_row(self, tile: int) -> TileRow:
+    def _row(self, index: int) -> TileRow:
         film = self.film
-        own = film.tile_bytes(tile) if tile in self._dirty else b""
-        row = TileRow(tile, film.samples(tile), own, self._invalid_samples[tile], film.error_before(tile))
-        return replace(row, sums=film.shown_bytes(tile), own=own) if film.has_forward_ranges else row
+        row = TileRow(index, film.samples(index), b"", self._invalid_samples[index], film.error_before(index))
+        if index == self.planned.photon_index:
+            return row
+        own = film.tile_bytes(index) if index in self._dirty else b""
+        if film.forward is None:
+            return replace(row, sums=own)
+        samples = film.samples_shown(index) or row.samples
+        return replace(row, samples=samples, sums=film.shown_bytes(index), own=own)
 
-    def _whole_row(self, tile: int) -> TileRow:
-        """A tile with the forward photons that fell on it; after the last, the number of these."""
-        if tile == self.planned.photon_index:
-            return TileRow(tile, self.film.samples(tile), b"", self._invalid_samples[tile])
-        return replace(self._tile_row(tile), photons=self.film.photon_bytes(tile))
+    def _whole_row(self, index: int) -> TileRow:
+        """A tile with the forward photons that fell on it; the number of these."""
+        return replace(self._row(index), photons=self.film.photon_bytes(index))
 
     @property
     def is_unseen(self) -> bool:

@@ -13,9 +13,9 @@ from typing import NamedTuple
 from nocturne_coordinator.dispatch.range_queue import (
     IN_FLIGHT,
     FairShare,
-    ForwardRanges,
     RangeQueue,
     RangeState,
+    RenderQueues,
 )
 from nocturne_coordinator.limits import DEFAULT_PRIORITY
 
@@ -35,10 +35,11 @@ _REMEMBERED_TIMES = 101
 
 
 class JobKey(NamedTuple):
-    """One range of one tile of one render."""
+    """One range of one queue of one render."""
 
     render_id: str
     tile_index: int
+    """Of the queue: the tile's, or that after the last, of forward photons."""
     range_index: int
 
     def __str__(self) -> str:
@@ -61,7 +62,7 @@ class Scheduler:
     def __init__(self, shortest_overdue: float = MIN_OVERDUE) -> None:
         """`shortest_overdue`: seconds that a job is out, at least, before it is overdue."""
         self._shortest_overdue = shortest_overdue
-        self._queues: dict[str, RangeQueue] = {}
+        self._queues: dict[str, RenderQueues] = {}
         self._owners: dict[str, FairShare] = {}
         self._outstanding: dict[JobKey, Published] = {}
         self._times: deque[float] = deque(maxlen=_REMEMBERED_TIMES)
@@ -71,46 +72,35 @@ class Scheduler:
     def add(
         self,
         render_id: str,
-        states: list[bytearray],
+        queues: Sequence[RangeQueue],
         *,
-        horizon: Sequence[int] = (),
         owner: str = "",
         priority: float = DEFAULT_PRIORITY,
         owner_weight: float = DEFAULT_PRIORITY,
         cost: Callable[[int, int], float] = lambda *_: 1.0,
-        forward: ForwardRanges | None = None,
     ) -> None:
-        """A render runs from here on; `states` are those of each tile's ranges, kept and changed here.
+        """A render runs from here on; its queues are kept and changed here.
 
-        `horizon`: what each tile is expected to need, all unless given. Owners share the workers by their
-        weight, and an owner's renders share by priority what the owner gets.
+        Owners share the workers by their weight, and an owner's renders share by priority what the owner
+        gets.
         """
         of_owner = self._owners.setdefault(owner, FairShare(owner_weight, _least(self._owners.values())))
         of_owner.weight = owner_weight
         share = FairShare(
             priority, _least(queue.share for queue in self._queues.values() if queue.owner == owner)
         )
-        needed = list(horizon) or [len(each) for each in states]
-        self._queues[render_id] = RangeQueue(render_id, states, needed, owner, share, cost, forward)
+        self._queues[render_id] = RenderQueues(render_id, queues, owner, share, cost)
 
-    def replan(
-        self,
-        render_id: str,
-        kept: Sequence[int],
-        states: list[bytearray],
-        horizon: list[int],
-        forward: ForwardRanges | None,
-    ) -> list[bytes]:
-        """The render has other ranges, of each tile the first `kept` as before; gives the entries of jobs
+    def replan(self, render_id: str, kept: Sequence[int], queues: list[RangeQueue]) -> list[bytes]:
+        """The render has other ranges, of each queue the first `kept` as before; gives the entries of jobs
         that are not needed any more, to be deleted from the stream."""
-        queue = self._queues[render_id]
-        for most, before, now in zip(kept, queue.states, states, strict=True):
-            for index, state in enumerate(before[:most]):
+        render = self._queues[render_id]
+        for most, before, queue in zip(kept, render.queues, queues, strict=True):
+            now = queue.states
+            for index, state in enumerate(before.states[:most]):
                 if now[index] == RangeState.COMMITTED or (not now[index] and state in IN_FLIGHT):
                     now[index] = state
-        queue.states, queue.horizon, queue.forward = states, horizon, forward
-        queue.in_flight = sum(tile.count(each) for tile in states for each in IN_FLIGHT)
-        queue.order(queue.first)
+        render.take(queues)
         gone = [key for key in self._outstanding if key.render_id == render_id]
         gone = [key for key in gone if self.state_of(key) is not RangeState.PUBLISHED]
         return [entry for key in gone for entry in self._outstanding.pop(key).entries]
@@ -157,13 +147,13 @@ class Scheduler:
 
     def completed(self, render_id: str, tile_index: int, ranges: int) -> None:
         """A tile's first `ranges` ranges are completed."""
-        for index in range(self._queues[render_id].done(tile_index), ranges):
+        for index in range(self._queues[render_id].queues[tile_index].done, ranges):
             self._move(JobKey(render_id, tile_index, index), RangeState.COMPLETED)
 
     def committed(self, render_id: str, tiles: Iterable[int]) -> None:
         """All completed ranges of these tiles are committed."""
         for tile in tiles:
-            while (index := self._queues[render_id].states[tile].find(RangeState.COMPLETED)) >= 0:
+            while (index := self._queues[render_id].queues[tile].states.find(RangeState.COMPLETED)) >= 0:
                 self._move(JobKey(render_id, tile, index), RangeState.COMMITTED)
 
     def expect(self, render_id: str, tile_index: int, ranges: int) -> None:
@@ -173,8 +163,8 @@ class Scheduler:
     def finish_tile(self, render_id: str, tile_index: int, state: RangeState) -> list[bytes]:
         """A tile gets no more samples, its other ranges this state; gives the entries of its jobs, to be
         deleted from the stream."""
-        queue = self._queues[render_id]
-        rest = range(queue.done(tile_index), len(queue.states[tile_index]))
+        queue = self._queues[render_id].queues[tile_index]
+        rest = range(queue.done, len(queue.states))
         return [entry for index in rest for entry in self._move(JobKey(render_id, tile_index, index), state)]
 
     def returned(self, key: JobKey) -> list[bytes]:
@@ -243,16 +233,16 @@ class Scheduler:
         """The next ranges of tiles whose later ones are here, if they are not out."""
         found = [
             key
-            for render_id, queue in self._queues.items()
-            for tile, states in enumerate(queue.states)
-            if RangeState.HELD in states
-            and self.state_of(key := JobKey(render_id, tile, queue.done(tile))) is RangeState.PLANNED
+            for render_id, render in self._queues.items()
+            for tile, queue in enumerate(render.queues)
+            if RangeState.HELD in queue.states
+            and self.state_of(key := JobKey(render_id, tile, queue.done)) is RangeState.PLANNED
         ]
         for key in found:
             self._move(key, RangeState.PUBLISHED)
         return found
 
-    def _passed(self, item: tuple[str, RangeQueue]) -> tuple[float, str, float]:
+    def _passed(self, item: tuple[str, RenderQueues]) -> tuple[float, str, float]:
         queue = item[1]
         return self._owners[queue.owner].virtual_time, queue.owner, queue.share.virtual_time
 
@@ -274,7 +264,7 @@ class Scheduler:
     def state_of(self, key: JobKey) -> RangeState | None:
         """None: it is no range of a running render."""
         try:
-            return RangeState(self._queues[key.render_id].states[key.tile_index][key.range_index])
+            return RangeState(self._queues[key.render_id].queues[key.tile_index].states[key.range_index])
         except (KeyError, IndexError):
             return None
 
@@ -288,12 +278,12 @@ class Scheduler:
 
     def problem(self) -> str:
         """The first fault in the indexes of the ranges' states, empty if there is none; for tests."""
-        for render_id, queue in self._queues.items():
-            if problem := queue.problem():
+        for render_id, render in self._queues.items():
+            if problem := render.problem():
                 return problem
             keys = {key[1:] for key in self._outstanding if key.render_id == render_id}
-            for tile, states in enumerate(queue.states):
-                out = {index for index, state in enumerate(states) if state == RangeState.PUBLISHED}
+            for tile, queue in enumerate(render.queues):
+                out = {index for index, state in enumerate(queue.states) if state == RangeState.PUBLISHED}
                 if out != {index for of, index in keys if of == tile}:
                     return f"render={render_id} tile={tile}: ranges {sorted(out)} are out, by other entries"
         return ""

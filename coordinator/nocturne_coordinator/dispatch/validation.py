@@ -29,9 +29,11 @@ def validate_state(state: State, window: int) -> None:
     problem = state.scheduler.problem()
     _require(not problem, problem)
     _check_entries(state)
-    tiles = sum(len(render.film.tiles) for render in state.renders.values())
-    # One more for each tile, where all that is in flight waits for earlier ranges.
-    _require(state.scheduler.in_flight <= limits.MAX_WINDOW + tiles, "more in flight than the largest window")
+    queues = sum(len(render.film.queues) for render in state.renders.values())
+    # One more for each queue, where all that is in flight waits for earlier ranges.
+    _require(
+        state.scheduler.in_flight <= limits.MAX_WINDOW + queues, "more in flight than the largest window"
+    )
     _require(window <= limits.MAX_WINDOW, "a window above its bound")
     _require(len(state.auditor.entries()) <= limits.MAX_AUDITS, "too many audits")
 
@@ -39,36 +41,37 @@ def validate_state(state: State, window: int) -> None:
 def _check_states(render: RunningRender, scheduler: Scheduler) -> None:
     """The film and the states of ranges say the same."""
     done, open_ = {RangeState.COMPLETED, RangeState.COMMITTED}, {RangeState.PLANNED, RangeState.PUBLISHED}
-    for tile_index, tile in enumerate(render.film.tiles):
-        rest = {RangeState.FAILED, RangeState.UNNEEDED} if tile.closed else open_
-        for index in range(len(render.planned.ranges_of(tile_index))):
-            right = done if index < tile.merged else {RangeState.HELD} if index in tile.waiting else rest
-            key = JobKey(render.id, tile_index, index)
+    for number, queue in enumerate(render.film.queues):
+        rest = {RangeState.FAILED, RangeState.UNNEEDED} if queue.closed else open_
+        for index in range(len(render.planned.ranges_of(number))):
+            right = done if index < queue.merged else {RangeState.HELD} if index in queue.waiting else rest
+            key = JobKey(render.id, number, index)
             _require(scheduler.state_of(key) in right, f"{key} is not in the film as its state says")
 
 
 def _check_counts(render: RunningRender) -> None:
     film = render.film
     count = render.planned.grid.count
-    samples = sum(film.samples(index) * film.tiles[index].sums.pixels[..., 0].size for index in range(count))
+    samples = sum(
+        film.samples_shown(index) * film.queues[index].sums.pixels[..., 0].size for index in range(count)
+    )
     photons = film.traced_samples * render.planned.photons_per_sample
-    seen = not film.has_forward_ranges or film.samples(count) > 0
     _require(
-        int(film.counts.sum(dtype=np.uint64)) == seen * samples,
+        int(film.counts.sum(dtype=np.uint64)) == samples,
         f"{render.id}: counts are not those of the tiles",
     )
     _require(render.totals.photons == photons, f"{render.id}: photons are not those of the samples")
-    ranges = sum(tile.merged for tile in film.tiles)
+    ranges = sum(queue.merged for queue in film.queues)
     _require(render.totals.ranges == ranges, f"{render.id}: ranges are not those of the tiles")
+    closed = sum(queue.closed for queue in film.queues)
+    done = min(count, closed) if render.planned.ranges else count * film.complete
+    _require(film.tiles_done == done, f"{render.id}: tiles done")
     _require(
-        film.tiles_done == min(count, sum(tile.closed for tile in film.tiles)), f"{render.id}: tiles done"
+        all(film.queues[index].closed for index in render.failed_tiles), f"{render.id}: a failed tile goes on"
     )
-    _require(
-        all(film.tiles[index].closed for index in render.failed_tiles), f"{render.id}: a failed tile goes on"
-    )
-    for tile in film.tiles:
-        _require(not (tile.closed and tile.waiting), f"{render.id}: a range waits for a tile that is closed")
-        _require(len(tile.waiting) < tile.ahead, f"{render.id}: too many ranges wait")
+    for queue in film.queues:
+        _require(not (queue.closed and queue.waiting), f"{render.id}: a range waits for what is closed")
+        _require(len(queue.waiting) < queue.ahead, f"{render.id}: too many ranges wait")
 
 
 def _check_entries(state: State) -> None:

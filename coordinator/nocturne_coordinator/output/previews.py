@@ -141,9 +141,8 @@ def layers_of(folder: DataFolder, sha256: str) -> Layers:
 def provenance_of(render: RunningRender) -> Provenance:
     """What the render's image says of itself."""
     samples = render.film.manifest()
-    schedule = render.planned.schedule
-    last = [schedule.range_ends[-1]] * render.planned.grid.count + list(schedule.photon_range_ends[-1:])
-    whole = samples == last
+    planned = render.planned
+    whole = samples == [planned.ranges_of(index).end for index in range(planned.queues)]
     return Provenance(
         render.planned.scene.hex(),
         schedule_json(render.planned.schedule),

@@ -22,7 +22,7 @@ from typing import Any, Self
 
 from nocturne.v1 import job_pb2
 from nocturne_scene.blobs import BlobStore
-from nocturne_scene.ranges import entries_of
+from nocturne_scene.ranges import manifest_of
 from nocturne_scene.replacing import UNFINISHED, replacing
 
 from nocturne_coordinator.output.images import manifest_text
@@ -162,11 +162,8 @@ def _state(source: sqlite3.Connection) -> tuple[Any, ...]:
 
 def _manifests(database: sqlite3.Connection) -> Iterator[tuple[str, str]]:
     for render_id, schedule in database.execute("SELECT id, schedule FROM render ORDER BY number").fetchall():
-        samples = [0] * entries_of(job_pb2.RangeSchedule.FromString(schedule))
-        for index, count in database.execute(
-            "SELECT tile_index, samples FROM tile WHERE render_id = ?", (render_id,)
-        ):
-            samples[index] = count
+        rows = database.execute("SELECT tile_index, samples FROM tile WHERE render_id = ?", (render_id,))
+        samples = manifest_of(job_pb2.RangeSchedule.FromString(schedule), map(tuple, rows))
         yield render_id, manifest_text(samples)
 
 

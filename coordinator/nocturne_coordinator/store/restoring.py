@@ -20,7 +20,12 @@ from nocturne_scene.blobs import BlobStore
 from nocturne_scene.replacing import replacing
 from nocturne_scene.tile_sums import decode, numbers_in
 
-from nocturne_coordinator.dispatch.planned_render import PlannedRender, RefusedResult, check_sums
+from nocturne_coordinator.dispatch.planned_render import (
+    PlannedRender,
+    RefusedResult,
+    check_photon_sums,
+    check_sums,
+)
 from nocturne_coordinator.errors import AlreadyOwned, CantRestore
 from nocturne_coordinator.store.checkpoint import checkpoints
 from nocturne_coordinator.store.migrate import newest_schema, schema_of
@@ -96,16 +101,19 @@ def _damaged_tiles(connection: sqlite3.Connection) -> Iterator[str]:
 
 def _check_tile(planned: PlannedRender, row: sqlite3.Row) -> None:
     """Raises unless the tile's samples are planned and its sums such as samples have."""
-    if row["samples"]:
-        planned.ranges_of(row["tile_index"]).merged_at(row["samples"])
+    index, samples = row["tile_index"], row["samples"]
+    if samples and len(planned.ranges_of(index)):
+        planned.ranges_of(index).merged_at(samples)
     if not row["sums"]:
         # Forward photons' own row, or a tile that has not all kinds of photons yet.
         return
-    tile = planned.grid.tile(row["tile_index"])
+    tile = planned.grid.tile(index)
     sums = decode(row["sums"], tile.width, tile.height, planned.further)
+    if planned.photon_ranges:
+        check_photon_sums(sums, samples)
     # Of a tile from before squares of all quantities were kept, they are not known.
-    if len(row["sums"]) == 8 * numbers_in(tile.width, tile.height, planned.further):
-        check_sums(sums, row["samples"] * planned.photons_per_sample)
+    elif len(row["sums"]) == 8 * numbers_in(tile.width, tile.height, planned.further):
+        check_sums(sums, samples * planned.photons_per_sample)
 
 
 def _take_newest(place: Path, database: Path, damage: list[str]) -> Path:

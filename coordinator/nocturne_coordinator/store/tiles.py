@@ -4,7 +4,7 @@ import sqlite3
 
 from nocturne.v1 import job_pb2
 from nocturne_scene.errors import NotFound
-from nocturne_scene.ranges import entries_of
+from nocturne_scene.ranges import manifest_of
 
 from nocturne_coordinator.store.database import Database
 from nocturne_coordinator.store.rows import TileChange
@@ -50,15 +50,14 @@ class Tiles:
         return [_with_sums(row) for row in rows]
 
     def manifest(self, render_id: str) -> tuple[int, ...]:
-        """Committed samples of each tile, row by row, and bundles of forward photons where they have
-        separate ranges; raises NotFound."""
+        """Committed samples of each tile, row by row, and bundles of forward photons if there are any; raises
+        NotFound."""
         render = self._database.row("SELECT schedule FROM render WHERE id = ?", (render_id,))
         if render is None:
             raise NotFound(f"there is no render {render_id!r}")
         rows = self._database.rows("SELECT tile_index, samples FROM tile WHERE render_id = ?", (render_id,))
-        samples = {row["tile_index"]: row["samples"] for row in rows}
         schedule = job_pb2.RangeSchedule.FromString(render["schedule"])
-        return tuple(samples.get(index, 0) for index in range(entries_of(schedule)))
+        return tuple(manifest_of(schedule, map(tuple, rows)))
 
     def at_work(self, render_id: str) -> list[tuple[int, str]]:
         """Tiles of a render that are being traced, and by whom; forward photons of all of them are none."""

@@ -1,7 +1,7 @@
 """What coordinators write of workers: who is there, who does what, and whose work is not trusted."""
 
 from nocturne.v1 import job_pb2
-from nocturne_scene.ranges import entries_of
+from nocturne_scene.ranges import manifest_of
 
 from nocturne_coordinator.dispatch.records import RenderState, WorkerRow
 from nocturne_coordinator.dispatch.stopping import StopConditions
@@ -84,9 +84,7 @@ class WorkerRecords:
         tiles = self._database.rows("SELECT tile_index, samples FROM tile WHERE render_id = ?", (render_id,))
         schedule = self._database.row("SELECT schedule FROM render WHERE id = ?", (render_id,))
         assert schedule is not None  # noqa: S101 - it has tiles
-        samples = [0] * entries_of(job_pb2.RangeSchedule.FromString(schedule["schedule"]))
-        for tile in tiles:
-            samples[tile["tile_index"]] = tile["samples"]
+        samples = manifest_of(job_pb2.RangeSchedule.FromString(schedule["schedule"]), map(tuple, tiles))
         self._database.execute(
             """UPDATE render SET state = 'QUEUED', reason = ?, ended = 0, image_final = 0, stop = ?
                WHERE id = ? AND state NOT IN ('FAILED', 'CANCELLED')""",

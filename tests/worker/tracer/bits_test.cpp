@@ -70,9 +70,9 @@ TEST(Bits, NumberOfThreadsDoesNotMatter) {
   const auto trace = [&](unsigned threads) {
     double last = 0.0;
     TileSums image = trace_film(*scene, {kFilm, 16, ends}, threads, [&](double share) {
-      EXPECT_GT(share, last);
-      last = share;
-    });
+                       EXPECT_GT(share, last);
+                       last = share;
+                     }).first;
     EXPECT_DOUBLE_EQ(last, 1.0);
     return image;
   };

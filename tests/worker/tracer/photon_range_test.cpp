@@ -1,8 +1,9 @@
-// Films of many tiles by photons of both directions, the forward ones in ranges of the whole film.
+// Forward photons, alone and with adjoint ones, in ranges of the whole film.
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "math/constants.h"
 #include "support/caustic_scene.h"
 #include "tracer/trace_film.h"
 #include "tracer/trace_photon_range.h"
@@ -22,7 +23,7 @@ std::shared_ptr<const Scene> caustic(std::uint64_t seed = 0) {
 
 TileSums film_of(const Scene& scene, unsigned threads, const std::vector<std::uint32_t>& samples,
                  const std::vector<std::uint32_t>& bundles) {
-  return trace_film(scene, {kFilm, kTile, samples, bundles}, threads, [](double) {});
+  return trace_film(scene, {kFilm, kTile, samples, bundles}, threads, [](double) {}).first;
 }
 
 /// Mean Y of the pixels of a tile together, and its variance if pixels know nothing of each other.
@@ -67,23 +68,60 @@ TEST(PhotonRanges, GoAlongWithRangesOfTilesWhereSomebodyIsAsked) {
   EXPECT_EQ(whole.sums, film_of(*scene, 1, samples, bundles).sums);
 }
 
-// Light and errors are those of the film as one tile, in which samples of pixels and of forward
-// photons are squared together: differences of the two, over their errors, vary as much as errors
-// say. Bounds hold 0.9998 of a chi-square of 24 tiles.
-TEST(PhotonRanges, HaveTheLightOfOneTileAndErrorsThatCover) {
+// Differences of two images by other numbers, over their errors, vary as much as errors say. Bounds
+// hold 0.9998 of a chi-square of 24 tiles.
+TEST(PhotonRanges, HaveErrorsThatCover) {
   constexpr std::uint32_t kSamples = 32;
   double z_squared = 0.0;
   for (const std::uint64_t seed : {1u, 2u}) {
-    const TileSums ranges = film_of(*caustic(seed), 2, {kSamples}, {16});
-    const auto whole = caustic(seed + 100);
-    const TileSums one_tile = trace_tile(*whole, kFilm, {0, 0, 64, 48, 0, 4 * kSamples});
+    const TileSums few = film_of(*caustic(seed), 2, {kSamples}, {16});
+    const TileSums many = film_of(*caustic(seed + 100), 2, {4 * kSamples}, {16, 64});
     for (std::uint32_t tile = 0; tile < 12; ++tile) {
-      const MeanY a = mean_y(ranges, tile, kSamples), b = mean_y(one_tile, tile, 4 * kSamples);
+      const MeanY a = mean_y(few, tile, kSamples), b = mean_y(many, tile, 4 * kSamples);
       z_squared += std::pow(a.mean - b.mean, 2) / (a.variance + b.variance);
     }
   }
   EXPECT_GT(z_squared, 7.0);
   EXPECT_LT(z_squared, 57.0);
+}
+
+// A ball of radius r and radiance L has the intensity L pi r^2 in every direction; Y integrates
+// over 100 nm. Pixels of a film of 4 x 2 have the same solid angle, so a photon is in each with
+// p = 1/8, and n of them give it the relative error sqrt((1 - p) / (p n)).
+TEST(PhotonRanges, AreAllOfAFilmOfForwardPhotonsAlone) {
+  constexpr Film kDirections{4, 2};
+  test::SceneBuilder builder;
+  builder.add_sphere(0.0f, 3.0f, {0, 0, 0}, 0.5);
+  auto& sensor = *builder.message.mutable_sensor();
+  sensor.set_model(v1::SENSOR_MODEL_INTENSITY);
+  sensor.set_lamp_radius(1.0);
+  builder.message.mutable_tracing()->set_direction(v1::DIRECTION_FORWARD);
+  const auto scene = builder.load();
+  const std::vector<std::uint32_t> bundles{1, 2, 4};
+  const FilmPlan plan{kDirections, kTile, {}, bundles};
+  const auto [film, samples] = trace_film(*scene, plan, 2, [](double) {});
+  EXPECT_EQ(samples, 4 * kPhotonBundle / 8);
+  EXPECT_EQ(samples, plan.samples());
+  EXPECT_EQ(film.photons, 4 * kPhotonBundle);
+  const double expected = 100.0 * 3.0 * 0.25 * static_cast<double>(kPi);
+  const double error = expected * std::sqrt(7.0 / (4.0 * kPhotonBundle));
+  for (std::size_t pixel = 0; pixel < 8; ++pixel) {
+    const double y = film.sums[pixel * film.channels + 1], n = samples;
+    const double squares = film.sums[pixel * film.channels + 3];
+    EXPECT_NEAR(y / n, expected, 4.0 * error);
+    EXPECT_NEAR(std::sqrt((squares - y * y / n) / (n * (n - 1.0))), error, 0.03 * error);
+  }
+  std::vector<std::uint32_t> asked;
+  const auto [by_ranges, all] = trace_film_by_ranges(
+      *scene, plan, 1, [](double) {},
+      [&](std::uint32_t so_far, const TileSums&) {
+        asked.push_back(so_far);
+        return true;
+      });
+  EXPECT_EQ(asked, (std::vector<std::uint32_t>{kPhotonBundle / 8, 2 * kPhotonBundle / 8}));
+  EXPECT_EQ(all, samples);
+  EXPECT_EQ(by_ranges.sums, film.sums);
+  EXPECT_THROW(trace_tile(*scene, kDirections, {0, 0, 4, 2, 0, 1}), std::invalid_argument);
 }
 
 TEST(PhotonRanges, VariancesOfBothPartsAddUp) {

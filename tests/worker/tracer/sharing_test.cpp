@@ -103,7 +103,7 @@ TEST(Sharing, BitsDoNotDependOnBatchesAndThreads) {
 
   const std::vector<std::uint32_t> ends{4, 20};
   const auto film = [&](unsigned threads) {
-    return trace_film(*scene, {kFilm, 16, ends}, threads, [](double) {});
+    return trace_film(*scene, {kFilm, 16, ends}, threads, [](double) {}).first;
   };
   EXPECT_EQ(film(1).sums, film(3).sums);
 }

@@ -80,7 +80,7 @@ INSTANTIATE_TEST_SUITE_P(
                  job = photons();
                  job.mutable_tile()->set_width(1024);
                }},
-        BadJob{"tile.width ",
+        BadJob{"film_width x film_height ",
                [](v1::Job& job) {
                  job = photons();
                  job.set_film_width(4097);

@@ -40,8 +40,11 @@ class GrowingFilm {
         rows_(tiles_in(plan.film.height)),
         tiles_(no_sums()) {
     if (!plan.photon_ends.empty()) photons_.push_back(no_sums());
-    all_ = static_cast<double>(plan.film.width) * plan.film.height * plan.range_ends.back() +
-           static_cast<double>(bundles(plan.photon_ends) * kPhotonBundle);
+    const auto last = [](std::span<const std::uint32_t> ends) {
+      return ends.empty() ? 0.0 : static_cast<double>(ends.back());
+    };
+    all_ = static_cast<double>(plan.film.width) * plan.film.height * last(plan.range_ends) +
+           static_cast<double>(kPhotonBundle) * last(plan.photon_ends);
   }
 
   /// Traces ranges of all tiles, and of forward photons.
@@ -55,28 +58,25 @@ class GrowingFilm {
         trace_tile_ranges(i - photon_ranges, samples);
       }
     });
+    samples_ = samples.end();
   }
 
-  /// What all ranges up to these ends measure together.
-  TileSums sums(std::uint32_t samples, std::uint32_t bundles) const& {
-    return with_photons(tiles_, samples, bundles);
-  }
-  TileSums sums(std::uint32_t samples, std::uint32_t bundles) && {
-    return with_photons(std::move(tiles_), samples, bundles);
-  }
+  /// What all ranges so far measure together, and of how many samples of each pixel that is.
+  std::pair<TileSums, std::uint32_t> image() const& { return with_photons(tiles_); }
+  std::pair<TileSums, std::uint32_t> image() && { return with_photons(std::move(tiles_)); }
 
  private:
-  static std::uint64_t bundles(std::span<const std::uint32_t> ends) {
-    return ends.empty() ? 0 : ends.back();
-  }
-
   std::uint32_t tiles_in(std::uint32_t pixels) const {
     return (pixels + plan_.tile_size - 1) / plan_.tile_size;
   }
 
-  TileSums with_photons(TileSums film, std::uint32_t samples, std::uint32_t bundles) const {
-    if (!photons_.empty()) add_photons(photons_.front(), bundles, samples, plan_.tile_size, film);
-    return film;
+  std::pair<TileSums, std::uint32_t> with_photons(TileSums film) const {
+    const std::uint32_t samples =
+        plan_.range_ends.empty() ? plan_.samples_of(added_bundles_) : samples_;
+    if (!photons_.empty()) {
+      add_photons(photons_.front(), added_bundles_, samples, plan_.tile_size, film);
+    }
+    return {std::move(film), samples};
   }
 
   TileSums no_sums() const {
@@ -135,7 +135,7 @@ class GrowingFilm {
   TileSums tiles_;
   /// None or one.
   std::vector<TileSums> photons_;
-  std::uint32_t added_bundles_ = 0;
+  std::uint32_t added_bundles_ = 0, samples_ = 0;
   bool failed_ = false;
   std::condition_variable turn_;
   std::mutex mutex_;
@@ -168,12 +168,17 @@ void add_tile(const TileSums& tile, const TileRange& where, std::size_t index, T
   film.add_counts(tile);
 }
 
-TileSums trace_film(const Scene& scene, const FilmPlan& plan, unsigned threads,
-                    const std::function<void(double)>& progress) {
+std::uint32_t FilmPlan::samples_of(std::uint32_t bundles) const {
+  const std::uint64_t pixels = std::uint64_t{film.width} * film.height;
+  return static_cast<std::uint32_t>(std::max<std::uint64_t>(1, bundles * kPhotonBundle / pixels));
+}
+
+std::pair<TileSums, std::uint32_t> trace_film(const Scene& scene, const FilmPlan& plan,
+                                              unsigned threads,
+                                              const std::function<void(double)>& progress) {
   GrowingFilm film(scene, plan, threads, progress);
-  const Ranges photons{0, plan.photon_ends};
-  film.add({0, plan.range_ends}, photons);
-  return std::move(film).sums(plan.range_ends.back(), photons.end());
+  film.add({0, plan.range_ends}, {0, plan.photon_ends});
+  return std::move(film).image();
 }
 
 std::pair<TileSums, std::uint32_t> trace_film_by_ranges(
@@ -181,18 +186,21 @@ std::pair<TileSums, std::uint32_t> trace_film_by_ranges(
     const std::function<void(double)>& progress,
     const std::function<bool(std::uint32_t, const TileSums&)>& go_on) {
   GrowingFilm film(scene, plan, threads, progress);
-  std::uint32_t first = 0, bundles = 0;
+  std::uint32_t first = 0;
   std::size_t photon_ranges = 0;
-  for (const std::uint32_t& end : plan.range_ends) {
-    const Ranges photons = photon_ranges_for(plan.photon_ends, photon_ranges,
-                                             static_cast<double>(end) / plan.range_ends.back());
-    film.add({first, {&end, 1}}, photons);
+  const bool has_tiles = !plan.range_ends.empty();
+  const auto& steps = has_tiles ? plan.range_ends : plan.photon_ends;
+  for (const std::uint32_t& end : steps) {
+    const Ranges photons =
+        photon_ranges_for(plan.photon_ends, photon_ranges, static_cast<double>(end) / steps.back());
+    film.add(has_tiles ? Ranges{first, {&end, 1}} : Ranges{0, {}}, photons);
     photon_ranges += photons.ends.size();
-    bundles = photons.end();
     first = end;
-    if (end != plan.range_ends.back() && !go_on(end, film.sums(end, bundles))) break;
+    if (end == steps.back()) break;
+    const auto [sums, samples] = film.image();
+    if (!go_on(samples, sums)) break;
   }
-  return {std::move(film).sums(first, bundles), first};
+  return std::move(film).image();
 }
 
 }  // namespace nocturne

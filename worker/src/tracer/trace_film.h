@@ -14,27 +14,33 @@ namespace nocturne {
 struct FilmPlan {
   Film film;
   std::uint32_t tile_size;
+  /// None: forward photons bring all light.
   std::span<const std::uint32_t> range_ends;
-  /// Where the ranges of forward photons of a film of several tiles end, in bundles; none: there
-  /// are no such ranges.
+  /// Where the ranges of forward photons end, in bundles; none: there are no such photons.
   std::span<const std::uint32_t> photon_ends = {};
+
+  std::uint32_t samples() const {
+    return range_ends.empty() ? samples_of(photon_ends.back()) : range_ends.back();
+  }
+  /// Of how many samples of each pixel an image by so many bundles of forward photons alone is.
+  std::uint32_t samples_of(std::uint32_t bundles) const;
 };
 
 /// Adds the sums of a tile, the `index`-th, to those of its film.
 void add_tile(const TileSums& tile, const TileRange& where, std::size_t index, TileSums& film);
 
-/// Sums of the film, row by row; photons, rays and invalid samples of all tiles. A tile's ranges
-/// are added up in sample order, and ranges of forward photons in theirs, so the bits don't depend
-/// on the number of threads; each thread may hold such a range, which is as large as the film.
-/// `progress` is called with the share of photons traced, from any thread, one at a time. Throws
-/// the errors that tracing a tile throws.
-TileSums trace_film(const Scene& scene, const FilmPlan& plan, unsigned threads,
-                    const std::function<void(double)>& progress);
+/// Sums of the film, row by row, of so many samples of each pixel; photons, rays and invalid
+/// samples of all tiles. A tile's ranges are added up in sample order, and ranges of forward
+/// photons in theirs, so the bits don't depend on the number of threads; each thread may hold such
+/// a range, which is as large as the film. `progress` is called with the share of photons traced,
+/// from any thread, one at a time. Throws the errors that tracing a tile throws.
+std::pair<TileSums, std::uint32_t> trace_film(const Scene& scene, const FilmPlan& plan,
+                                              unsigned threads,
+                                              const std::function<void(double)>& progress);
 
 /// The same bits, one range of the whole film after the other: `go_on` is asked after each but the
 /// last one, with the samples of every pixel so far and their sums, and ends the image there by
-/// false. Gives the samples that every pixel has, too. Forward photons go along, as many for each
-/// sample in the part as in the whole.
+/// false. Forward photons go along, as many for each sample in the part as in the whole.
 std::pair<TileSums, std::uint32_t> trace_film_by_ranges(
     const Scene& scene, const FilmPlan& plan, unsigned threads,
     const std::function<void(double)>& progress,

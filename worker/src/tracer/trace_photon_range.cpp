@@ -6,6 +6,7 @@
 #include <tuple>
 #include <vector>
 
+#include "tracer/by_kind.h"
 #include "tracer/estimators/camera_estimator.h"
 #include "tracer/estimators/sensor_estimator.h"
 #include "tracer/flush_denormals.h"
@@ -19,7 +20,7 @@ template <int N, class Estimator, bool Media>
 class PhotonsOnFilm {
  public:
   PhotonsOnFilm(const Scene& scene, Film film, std::uint32_t tile_size, const std::stop_token& stop)
-      : tile_blocks_(tile_size / TileSums::kBlock),
+      : tile_blocks_(TileSums::blocks_in(tile_size)),
         tile_columns_((film.width + tile_size - 1) / tile_size),
         batch_size_(samples_in_batch(scene.options, kBatchGroups)),
         photons_(scene, film, stop),
@@ -27,9 +28,8 @@ class PhotonsOnFilm {
               std::size_t{tile_columns_} * ((film.height + tile_size - 1) / tile_size)),
         of_pixel_(sums_.values()) {}
 
-  TileSums trace(const PhotonRange& range) {
-    const std::uint64_t end = range.end * kPhotonBundle;
-    for (std::uint64_t photon = range.first * kPhotonBundle; photon < end; photon += batch_size_) {
+  TileSums trace(std::uint64_t first, std::uint64_t end) {
+    for (std::uint64_t photon = first; photon < end; photon += batch_size_) {
       photons_.trace(photon, std::min<std::uint64_t>(batch_size_, end - photon), sums_);
       add_splats();
     }
@@ -98,42 +98,28 @@ class PhotonsOnFilm {
   Xyz of_block_{}, of_tile_{};
 };
 
-template <int N, bool Media>
-TileSums trace_in_groups(const Scene& scene, Film film, std::uint32_t tile_size,
-                         const PhotonRange& range, const std::stop_token& stop) {
-  if (scene.options.direction == Direction::kForward) {
-    return PhotonsOnFilm<N, SensorEstimator<N>, Media>(scene, film, tile_size, stop).trace(range);
-  }
-  return PhotonsOnFilm<N, CameraEstimator<N>, Media>(scene, film, tile_size, stop).trace(range);
-}
-
-template <int N>
-TileSums trace_group(const Scene& scene, Film film, std::uint32_t tile_size,
-                     const PhotonRange& range, const std::stop_token& stop) {
-  return scene.media.empty() ? trace_in_groups<N, false>(scene, film, tile_size, range, stop)
-                             : trace_in_groups<N, true>(scene, film, tile_size, range, stop);
-}
-
-TileSums trace_any(const Scene& scene, Film film, std::uint32_t tile_size, const PhotonRange& range,
-                   const std::stop_token& stop) {
-  switch (scene.options.group) {
-    case 4:
-      return trace_group<4>(scene, film, tile_size, range, stop);
-    default:
-      return trace_group<1>(scene, film, tile_size, range, stop);
-  }
-}
-
 }  // namespace
+
+TileSums trace_photons(const Scene& scene, Film film, std::uint32_t tile_size, std::uint64_t first,
+                       std::uint64_t end, const std::stop_token& stop) {
+  if (scene.options.direction == Direction::kAdjoint) {
+    throw std::invalid_argument("forward photons of a scene that has none");
+  }
+  const FlushDenormals flush;
+  TileSums sums = by_kind_of(scene, [&]<int N, bool Media>() {
+    const auto trace = [&](auto photons) { return photons.trace(first, end); };
+    return scene.options.direction == Direction::kForward
+               ? trace(PhotonsOnFilm<N, SensorEstimator<N>, Media>(scene, film, tile_size, stop))
+               : trace(PhotonsOnFilm<N, CameraEstimator<N>, Media>(scene, film, tile_size, stop));
+  });
+  sums.photons = (end - first) * scene.options.group;
+  return sums;
+}
 
 TileSums trace_photon_range(const Scene& scene, Film film, std::uint32_t tile_size,
                             const PhotonRange& range, const std::stop_token& stop) {
-  if (scene.options.direction == Direction::kAdjoint) {
-    throw std::invalid_argument("a range of forward photons of a scene that has none");
-  }
-  const FlushDenormals flush;
-  TileSums sums = trace_any(scene, film, tile_size, range, stop);
-  sums.photons = range.photons() * scene.options.group;
+  TileSums sums = trace_photons(scene, film, tile_size, range.first * kPhotonBundle,
+                                range.end * kPhotonBundle, stop);
   round_photon_sums(sums);
   return sums;
 }

@@ -1,57 +1,77 @@
 #include "tracer/trace_tile.h"
 
 #include <stdexcept>
+#include <vector>
 
+#include "tile/block_samples.h"
+#include "tracer/by_kind.h"
 #include "tracer/flush_denormals.h"
-#include "tracer/trace_pixels.h"
-#include "tracer/trace_whole_film.h"
+#include "tracer/pixel_batches.h"
+#include "tracer/response.h"
+#include "tracer/sharing/sharing_blocks.h"
 
 namespace nocturne {
 namespace {
 
-/// Photons of which side are traced.
-enum class Side { kBoth, kSensor, kLuminaires };
+/// f(pixel and sample) for all samples of a tile, in an order in which each pixel's come by number;
+/// `begin(samples)` before so many that belong together.
+template <class Begin, class F>
+void for_each_sample(const TileRange& range, std::uint32_t sharing, const Begin& begin,
+                     const F& f) {
+  if (sharing == 1) {
+    for (std::uint32_t y = range.y; y < range.y + range.height; ++y) {
+      for (std::uint32_t x = range.x; x < range.x + range.width; ++x) {
+        for (std::uint32_t sample = range.first_sample; sample < range.end_sample; ++sample) {
+          begin(1);
+          f({x, y, sample});
+        }
+      }
+    }
+    return;
+  }
+  for_each_sharing_block(range, [&](const SharingBlock& block) {
+    for (std::uint32_t sample = block.first_sample; sample < block.end_sample; ++sample) {
+      begin(block.width * block.height);
+      for (std::uint32_t y = block.y; y < block.y + block.height; ++y) {
+        for (std::uint32_t x = block.x; x < block.x + block.width; ++x) {
+          f({x, y, sample, x == block.x && y == block.y});
+        }
+      }
+    }
+  });
+}
 
+/// Sums over the samples of a tile. A pixel's are added in their order, whatever the batches.
 template <int N, bool Media>
-TileSums trace_photons(const Scene& scene, Film film, const TileRange& range, Side side,
-                       std::uint32_t groups, const std::stop_token& stop) {
-  const Direction direction = scene.options.direction;
-  const bool whole_film = range.width == film.width && range.height == film.height;
-  // Photons from luminaires come in separate ranges where the film has several tiles, or where they
-  // are not as many as those from pixels.
-  const bool apart = side == Side::kBoth && direction == Direction::kBoth &&
-                     (!whole_film || scene.options.forward_ratio != 1.0);
-  if (side == Side::kSensor || direction == Direction::kAdjoint || apart) {
-    return trace_pixels<N, Media>(scene, film, range, groups, stop);
-  }
-  if (!whole_film) {
-    throw std::invalid_argument("a tile with forward photons that is not the whole film");
-  }
-  const bool from_pixels = side == Side::kBoth && direction == Direction::kBoth;
-  const auto trace = [&](auto film_tracer) {
-    return film_tracer.trace(range.first_sample, range.end_sample);
+TileSums trace_pixels(const Scene& scene, Film film, const TileRange& range, std::uint32_t groups,
+                      const std::stop_token& stop) {
+  TileSums tile(range.width, range.height, scene.wavelengths.further_curves());
+  BlockSamples blocks(tile, range.end_sample - range.first_sample);
+  const std::uint32_t size = samples_in_batch(scene.options, groups);
+  PixelBatches<N, Media> batches(scene, film, size, stop);
+  std::vector<PixelIndex> samples;
+  std::vector<double> values;
+  const auto trace = [&] {
+    values.assign(samples.size() * tile.values(), 0.0);
+    batches.trace(samples, tile, values.data());
+    const double* measured = values.data();
+    for (const PixelIndex& at : samples) {
+      const std::uint32_t x = at.x - range.x, y = at.y - range.y;
+      const std::size_t pixel = y * std::size_t{range.width} + x;
+      add_sample(measured, tile.further, &tile.sums[pixel * tile.channels]);
+      blocks.add(x, y, at.sample - range.first_sample, measured);
+      measured += tile.values();
+    }
+    samples.clear();
   };
-  return direction == Direction::kForward
-             ? trace(WholeFilm<N, SensorEstimator<N>, Media>(scene, film, groups, false, stop))
-             : trace(
-                   WholeFilm<N, CameraEstimator<N>, Media>(scene, film, groups, from_pixels, stop));
-}
-
-template <int N>
-TileSums trace_in_groups(const Scene& scene, Film film, const TileRange& range, Side side,
-                         std::uint32_t groups, const std::stop_token& stop) {
-  return scene.media.empty() ? trace_photons<N, false>(scene, film, range, side, groups, stop)
-                             : trace_photons<N, true>(scene, film, range, side, groups, stop);
-}
-
-TileSums trace_side(const Scene& scene, Film film, const TileRange& range, Side side,
-                    std::uint32_t groups, const std::stop_token& stop) {
-  const FlushDenormals flush;
-  TileSums tile = scene.options.group == 4
-                      ? trace_in_groups<4>(scene, film, range, side, groups, stop)
-                      : trace_in_groups<1>(scene, film, range, side, groups, stop);
-  tile.photons = static_cast<std::uint64_t>(range.width) * range.height *
-                 (range.end_sample - range.first_sample) * scene.options.group;
+  for_each_sample(
+      range, scene.options.sharing,
+      [&](std::size_t together) {
+        if (samples.size() + together > size) trace();
+      },
+      [&](const PixelIndex& at) { samples.push_back(at); });
+  trace();
+  blocks.add_to(tile);
   return tile;
 }
 
@@ -59,17 +79,16 @@ TileSums trace_side(const Scene& scene, Film film, const TileRange& range, Side 
 
 TileSums trace_tile(const Scene& scene, Film film, const TileRange& range,
                     std::uint32_t batch_groups, const std::stop_token& stop) {
-  return trace_side(scene, film, range, Side::kBoth, batch_groups, stop);
-}
-
-TileSums trace_from_sensor(const Scene& scene, Film film, const TileRange& range,
-                           const std::stop_token& stop) {
-  return trace_side(scene, film, range, Side::kSensor, kBatchGroups, stop);
-}
-
-TileSums trace_from_luminaires(const Scene& scene, Film film, const TileRange& range,
-                               const std::stop_token& stop) {
-  return trace_side(scene, film, range, Side::kLuminaires, kBatchGroups, stop);
+  if (scene.options.direction == Direction::kForward) {
+    throw std::invalid_argument("a tile of a scene of forward photons alone");
+  }
+  const FlushDenormals flush;
+  TileSums tile = by_kind_of(scene, [&]<int N, bool Media>() {
+    return trace_pixels<N, Media>(scene, film, range, batch_groups, stop);
+  });
+  tile.photons = static_cast<std::uint64_t>(range.width) * range.height *
+                 (range.end_sample - range.first_sample) * scene.options.group;
+  return tile;
 }
 
 }  // namespace nocturne

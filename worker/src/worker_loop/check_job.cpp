@@ -13,7 +13,7 @@ constexpr std::uint64_t kMaxFilmPixels = std::uint64_t{1} << 26;
 // can make a worker allocate.
 constexpr std::uint64_t kMaxTileEdge = 1024;
 // A range of forward photons has the sums of the whole film, 1.2 GB of them.
-constexpr std::uint64_t kMaxPhotonFilmEdge = 4096;
+constexpr std::uint64_t kMaxPhotonFilmPixels = std::uint64_t{1} << 24;
 // The sample sequence has 2^31 indices.
 constexpr std::uint64_t kMaxSamples = std::uint64_t{1} << 31;
 constexpr std::size_t kDigestBytes = 32;
@@ -29,6 +29,8 @@ void check_range(const std::string& field, std::uint64_t value, std::uint64_t lo
 
 // Its tile is the whole film, and blocks of pixels begin at the corners of tiles.
 void check_photons(const v1::Job& job) {
+  check_range("film_width x film_height", std::uint64_t{job.film_width()} * job.film_height(), 1,
+              kMaxPhotonFilmPixels);
   check_range("tile.width", job.tile().width(), job.film_width(), job.film_width());
   check_range("tile.height", job.tile().height(), job.film_height(), job.film_height());
   const std::uint64_t edge = job.photons_by_tiles_of();
@@ -48,7 +50,7 @@ void check_job(const v1::Job& job) {
   check_range("film_width x film_height", std::uint64_t{job.film_width()} * job.film_height(), 1,
               kMaxFilmPixels);
   const bool forward_photons = job.photons_by_tiles_of() > 0;
-  const std::uint64_t most = forward_photons ? kMaxPhotonFilmEdge : kMaxTileEdge;
+  const std::uint64_t most = forward_photons ? kMaxFilmEdge : kMaxTileEdge;
   const v1::Tile& tile = job.tile();
   check_range("tile.width", tile.width(), 1, most);
   check_range("tile.height", tile.height(), 1, most);

@@ -9,7 +9,7 @@ import numpy as np
 from nocturne.v1 import job_pb2
 from nocturne_coordinator.dispatch.error_estimate import Squares, estimate_error
 from nocturne_coordinator.dispatch.trust import RangeEnd, confirmed
-from nocturne_scene.ranges import TileGrid
+from nocturne_scene.ranges import TileGrid, sample_ends
 from nocturne_scene.tile_sums import PRODUCTS, split
 
 
@@ -46,8 +46,8 @@ class LocalStop:
         if not self._seconds:
             return False
         elapsed = time.monotonic() - self._started
-        return elapsed * _next_end(self._schedule.range_ends, samples) / samples > self._seconds
+        return elapsed * _next_end(sample_ends(self._schedule), samples) / samples > self._seconds
 
 
-def _next_end(range_ends: Sequence[int], samples: int) -> int:
-    return next(end for end in range_ends if end > samples)
+def _next_end(ends: Sequence[int], samples: int) -> int:
+    return next(end for end in ends if end > samples)

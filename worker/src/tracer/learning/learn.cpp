@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "scene/sensor_extents.h"
+#include "tracer/by_kind.h"
 #include "tracer/by_threads.h"
 #include "tracer/estimators/arrival_estimator.h"
 #include "tracer/estimators/sensor_estimator.h"
@@ -62,17 +63,6 @@ Learned learn_chunk(const Scene& scene, Film film, std::uint64_t first, std::uin
   return found;
 }
 
-template <int N>
-Learned learn_group(const Scene& scene, Film film, std::uint64_t first, std::uint64_t end) {
-  const auto from = [&]<class Estimator>() {
-    return scene.media.empty() ? learn_chunk<N, Estimator, false>(scene, film, first, end)
-                               : learn_chunk<N, Estimator, true>(scene, film, first, end);
-  };
-  return scene.options.direction == Direction::kForward
-             ? from.template operator()<SensorEstimator<N>>()
-             : from.template operator()<ArrivalEstimator<N>>();
-}
-
 }  // namespace
 
 Learned learn(Scene& scene, Film film, double photons, unsigned threads) {
@@ -88,8 +78,11 @@ Learned learn(Scene& scene, Film film, double photons, unsigned threads) {
   std::vector<Learned> chunks((all + kPhotonsAtOnce - 1) / kPhotonsAtOnce);
   by_threads(chunks.size(), threads, [&](std::size_t i) {
     const std::uint64_t first = i * kPhotonsAtOnce, end = std::min(all, first + kPhotonsAtOnce);
-    chunks[i] = scene.options.group == 4 ? learn_group<4>(scene, film, first, end)
-                                         : learn_group<1>(scene, film, first, end);
+    chunks[i] = by_kind_of(scene, [&]<int N, bool Media>() {
+      return direction == Direction::kForward
+                 ? learn_chunk<N, SensorEstimator<N>, Media>(scene, film, first, end)
+                 : learn_chunk<N, ArrivalEstimator<N>, Media>(scene, film, first, end);
+    });
   });
   scene.options = before;
   Learned found;

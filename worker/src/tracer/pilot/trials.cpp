@@ -6,6 +6,7 @@
 
 #include "math/functions.h"
 #include "tracer/by_threads.h"
+#include "tracer/trace_photon_range.h"
 #include "tracer/trace_tile.h"
 
 namespace nocturne {
@@ -95,8 +96,15 @@ std::vector<TileSums> Trials::squares_of(Film film, const std::vector<TileRange>
                                          bool from_luminaires) const {
   std::vector<TileSums> made(squares.size(), TileSums(0, 0, 0));
   by_threads(squares.size(), threads_, [&](std::size_t i) {
-    made[i] = from_luminaires ? trace_from_luminaires(scene_, film, squares[i])
-                              : trace_from_sensor(scene_, film, squares[i]);
+    const TileRange& square = squares[i];
+    if (from_luminaires) {
+      // They fall on all of the film, of which this is one.
+      const std::uint64_t pixels = std::uint64_t{film.width} * film.height;
+      made[i] = trace_photons(scene_, film, std::max(film.width, film.height),
+                              square.first_sample * pixels, square.end_sample * pixels);
+    } else {
+      made[i] = trace_tile(scene_, film, square);
+    }
   });
   return made;
 }
