@@ -127,12 +127,14 @@ def test_photons_are_committed_seldom_and_their_results_kept_until_then(
     render = _running(schedule)
     render.offer(PHOTONS, _photons(render.planned, 0), 0.0)
     render.offer(0, _samples(render.planned, 0, 0), 0.0)
-    early = render.changes(1.0, 1.0)
+    seconds = photon_commit_seconds(WIDTH * HEIGHT)
+    early = render.changes(0.2 * seconds, 1.0)
     assert early is not None
     assert [(row.tile_index, bool(row.photons)) for row in early.tiles] == [(0, False)]
     assert render.committed() == []
     assert render.waiting_entries() == [b"photons-0"]
-    due = render.changes(photon_commit_seconds(WIDTH * HEIGHT), 1.0)
+    # The first one is sooner.
+    due = render.changes(0.25 * seconds, 1.0)
     assert due is not None
     rows = list(due.tiles)
     assert [row.tile_index for row in rows] == [0, 1, 2, 3, PHOTONS]
@@ -140,6 +142,11 @@ def test_photons_are_committed_seldom_and_their_results_kept_until_then(
     assert rows[-1].samples == due.photon_bundles == 1
     assert render.committed() == [b"photons-0"]
     assert render.waiting_entries() == []
+    render.offer(PHOTONS, _photons(render.planned, 1), 0.0)
+    early, due = render.changes(1.2 * seconds, 1.0), render.changes(1.3 * seconds, 1.0)
+    assert early is None or PHOTONS not in [row.tile_index for row in early.tiles]
+    assert due is not None
+    assert PHOTONS in [row.tile_index for row in due.tiles]
 
 
 def test_large_films_are_committed_more_seldom() -> None:

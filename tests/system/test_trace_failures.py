@@ -15,17 +15,16 @@ pytestmark = pytest.mark.system
 
 
 def test_what_a_thread_throws_is_said(tmp_path: Path) -> None:
-    """Forward photons of a meter fall on any pixel: tiles that are less than the film refuse them, each by a
-    thread."""
+    """Where forward photons bring all light, tiles have no ranges: they refuse them, each by a thread."""
     document = both_directions.SCENES["plain"].document | {"tracing": {"direction": "forward"}}
     compiled = compile_to(write(document, tmp_path), tmp_path, 64, 64, 4)
     schedule = job_pb2.RangeSchedule.FromString(compiled.schedule.read_bytes())
-    schedule.tile_size = 16
+    schedule.range_ends[:] = [4]
     compiled.schedule.write_bytes(schedule.SerializeToString())
     output = tmp_path / "image.exr"
     command = [need_program("nocturne-trace"), compiled.scene, "--schedule", compiled.schedule]
     command += ["--blobs", compiled.blobs, "-o", output, "--quiet", "--threads", "4"]
     done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
     assert done.returncode == 2
-    assert done.stderr == "nocturne-trace: a tile with forward photons that is not the whole film\n"
+    assert done.stderr == "nocturne-trace: a tile of a scene of forward photons alone\n"
     assert not output.exists()

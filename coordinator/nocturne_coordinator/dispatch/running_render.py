@@ -100,7 +100,8 @@ class RunningRender:
         """Queues of the last commit."""
         self._photon_entries: list[bytes] = []
         """Results whose forward photons are merged and not committed yet: that is a whole film."""
-        self._next_photon_commit = now + photon_commit_seconds(self.planned.pixels)
+        # The first one sooner: somebody may be waiting to see that it is the right scene.
+        self._next_photon_commit = now + photon_commit_seconds(self.planned.pixels) / 4
 
     @property
     def id(self) -> str:

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <compare>
 #include <stdexcept>
-#include <tuple>
 #include <vector>
 
 #include "tracer/by_kind.h"
@@ -37,38 +37,37 @@ class PhotonsOnFilm {
   }
 
  private:
-  /// A splat and where it fell; those of one pixel, block and tile lie together.
+  /// Where a splat fell, and its place among all: those of one pixel, block and tile lie together.
   struct Fallen {
-    std::size_t tile, block, pixel;
-    const Splat<N>* splat;
+    std::uint32_t tile, block, pixel, splat;
 
-    auto place() const { return std::tie(tile, block, pixel); }
+    auto operator<=>(const Fallen&) const = default;
   };
 
   void add_splats() {
     const std::vector<Splat<N>>& splats = photons_.splats();
-    for (std::size_t i = 0; i < splats.size(); ++i) {
-      fallen_.push_back(fallen(splats[i]));
+    for (std::uint32_t i = 0; i < splats.size(); ++i) {
+      fallen_.push_back(fallen(splats[i].pixel, i));
       if (i + 1 < splats.size() && splats[i + 1].sample == splats[i].sample) continue;
       add_photon();
       fallen_.clear();
     }
   }
 
-  Fallen fallen(const Splat<N>& splat) const {
-    const std::uint32_t x = splat.pixel % sums_.width / TileSums::kBlock;
-    const std::uint32_t y = splat.pixel / sums_.width / TileSums::kBlock;
-    const std::size_t tile = std::size_t{y / tile_blocks_} * tile_columns_ + x / tile_blocks_;
-    return {tile, std::size_t{y} * sums_.block_columns() + x, splat.pixel, &splat};
+  Fallen fallen(std::uint32_t pixel, std::uint32_t splat) const {
+    const std::uint32_t x = pixel % sums_.width / TileSums::kBlock;
+    const std::uint32_t y = pixel / sums_.width / TileSums::kBlock;
+    return {y / tile_blocks_ * tile_columns_ + x / tile_blocks_, y * sums_.block_columns() + x,
+            pixel, splat};
   }
 
   /// All light that one photon brought: its sum in a pixel, a block and a tile is squared there.
   void add_photon() {
-    std::ranges::stable_sort(fallen_, {}, &Fallen::place);
+    std::ranges::sort(fallen_);
     for (std::size_t i = 0; i < fallen_.size(); ++i) {
       const Fallen& at = fallen_[i];
       const Fallen* const next = i + 1 < fallen_.size() ? &fallen_[i + 1] : nullptr;
-      sums_.invalid_samples += photons_.add(*at.splat, of_pixel_.data());
+      sums_.invalid_samples += photons_.add(photons_.splats()[at.splat], of_pixel_.data());
       if (next != nullptr && next->pixel == at.pixel) continue;
       for (std::size_t c = 0; c < of_block_.size(); ++c) of_block_[c] += of_pixel_[c];
       add_sample(of_pixel_.data(), sums_.further, &sums_.sums[at.pixel * sums_.channels]);
