@@ -6,13 +6,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from nocturne.v1 import job_pb2
+from nocturne_coordinator.dispatch.audit import Auditor
 from nocturne_coordinator.dispatch.forward_photons import photon_commit_seconds
 from nocturne_coordinator.dispatch.merge import MergeResult, RangeSums
 from nocturne_coordinator.dispatch.planned_render import PlannedRender, RefusedResult
 from nocturne_coordinator.dispatch.range_queue import RangeQueue
 from nocturne_coordinator.dispatch.records import OpenRender, RenderCommit, RenderState, TileRow, Totals
+from nocturne_coordinator.dispatch.result_handler import ResultHandler
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.scheduler import JobKey, Scheduler
+from nocturne_coordinator.dispatch.state import Settings, State
 from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.ledger import Ledger
@@ -264,6 +267,23 @@ def test_forward_photons_alone_are_the_image(alone: job_pb2.RangeSchedule) -> No
         render.offer(PHOTONS, _photons(render.planned, index), 0.0)
     assert film.complete
     assert film.tiles_done == TILES
+
+
+def test_a_render_fails_with_forward_photons_that_bring_all_light(alone: job_pb2.RangeSchedule) -> None:
+    render = _running(alone)
+    scheduler = Scheduler()
+    scheduler.add("r", render.range_queues())
+    state = State(Settings(), scheduler, Auditor(0.0, 0.0), {"r": render})
+    handler = ResultHandler(state)
+    failed: dict[str, str] = {}
+    for worker in ("a", "b", "c"):
+        (key,) = scheduler.take(1)
+        scheduler.published(key, worker.encode(), 0.0)
+        assert not failed
+        job = render.planned.job(key.tile_index, render.planned.ranges_of(key.tile_index)[0])
+        result = job_pb2.JobResult(job=job, worker_id=worker, failure="no light", floating_point_profile="p")
+        failed = handler.take(worker.encode(), result.SerializeToString(), 0.0, 0.5).failed
+    assert failed == {"r": "no light"}
 
 
 def test_forward_photons_alone_end_by_the_error_of_the_film(alone: job_pb2.RangeSchedule) -> None:

@@ -264,7 +264,10 @@ class ResultHandler:
     def _is_failure(self, render: RunningRender) -> bool:
         """A single machine that enrolled can spoil tiles, which a resumed render tries again, and no more."""
         believed = not self._state.settings.enrolled or len(render.failed_on) > 1
-        return believed and len(render.failed_tiles) >= min(MAX_FAILED_TILES, render.planned.grid.count)
+        planned = render.planned
+        # Where forward photons bring all light, there is nothing without them.
+        most = min(MAX_FAILED_TILES, planned.grid.count if planned.ranges else 1)
+        return believed and len(render.failed_tiles) >= most
 
     def _refuse_of(self, render: RunningRender, entry: bytes, reason: str, outcome: Outcome) -> None:
         render.count_refused()
