@@ -189,14 +189,14 @@ def test_a_cut_withdraws_only_what_is_cut() -> None:
     shell.tell(StreamIsReady(at(0.1)))
     shell.result("r", 0.2, index=3)
     render = shell.core.state.renders["r"]
-    assert render.film.tiles[0].waiting.keys() == {3}
+    assert render.film.queues[0].waiting.keys() == {3}
     # A range of 16 samples would take 160 s.
     render._longest[False] = 4
     followed = shell.tell(Tick(at(0.3)))
     assert kinds(followed)[:2] == ["Recut", "Withdraw"]
     ends = list(render.planned.schedule.range_ends)
     assert ends == [4, 8, 12, 16, *range(20, 65, 4)]
-    assert render.film.tiles[0].waiting == {}
+    assert render.film.queues[0].waiting == {}
     scheduler = shell.core.state.scheduler
     states = [[scheduler.state_of(JobKey("r", tile, index)) for index in range(3)] for tile in (0, 1)]
     out, planned = RangeState.PUBLISHED, RangeState.PLANNED

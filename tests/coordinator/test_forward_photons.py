@@ -195,9 +195,8 @@ def test_a_schedule_that_grows_leaves_a_render_as_a_restart_would(
     assert render.replan(row) == []
     assert render.film.manifest() == again.film.manifest()
     assert render.film.complete == again.film.complete
-    assert render.film.horizons() == again.film.horizons()
     assert render.film.expected_samples == again.film.expected_samples
-    assert render.range_states() == again.range_states()
+    assert render.range_queues() == again.range_queues()
     np.testing.assert_array_equal(again.film.sums, render.film.sums)
     np.testing.assert_array_equal(again.film.counts, render.film.counts)
 

@@ -130,7 +130,8 @@ TEST(Search, FindsWhatASearchOfAllTrianglesFinds) {
 }
 
 // Aimed at edges of a closed mesh, from inside, near and far from the scene's middle. Of rays aimed
-// at a corner itself Embree loses one in 130, for want of a triangle whose edges all have it inside.
+// at a corner itself Embree loses one in 130, for want of a triangle whose edges all have it
+// inside.
 TEST(Search, NoRayPassesBetweenTriangles) {
   for (const Vec3 centre : {Vec3{}, Vec3{100, 50, -70}}) {
     TriangleMesh ball = test::lumpy_ball(60);
