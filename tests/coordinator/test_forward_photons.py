@@ -1,4 +1,6 @@
-"""Forward photons in separate ranges: merged in order, shown with tiles' samples, committed seldom."""
+"""Forward photons in separate ranges: merged in order, shown with tiles' samples, committed seldom.
+
+The file is long because all of its tests look at one render with both kinds of ranges, which is made here."""
 
 import zlib
 from dataclasses import replace
