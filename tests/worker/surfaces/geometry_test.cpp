@@ -25,6 +25,11 @@ TEST(Geometry, ReportsSurfacePositionAndOutwardNormal) {
   EXPECT_FALSE(geometry.intersect({{0, 50, 0}, {0, 1, 0}}, 0.0f));
 }
 
+TEST(Geometry, BoundsOfNothingShownAreEmpty) {
+  EXPECT_EQ(Geometry({}).bounds().radius, 0.0f);
+  EXPECT_EQ(Geometry({box(1.0f, {})}, {1}, {}).bounds().radius, 0.0f);  // a group without instances
+}
+
 // From inside a closed box, at several places and sizes, no ray gets out and no ray meets the
 // surface that it starts on.
 TEST(Geometry, ClosedBoxLosesNoRay) {

@@ -31,9 +31,9 @@ Geometry::~Geometry() = default;
 Geometry::Geometry(Geometry&&) noexcept = default;
 
 Geometry::Ball Geometry::bounds() const {
-  if (embree_->shapes.empty() && embree_->instances.empty()) return {};
   RTCLinearBounds all;
   rtcGetSceneLinearBounds(embree_->scene, &all);
+  if (!(all.bounds0.lower_x <= all.bounds0.upper_x)) return {};  // nothing is shown
   Box box;
   for (const RTCBounds& b : {all.bounds0, all.bounds1}) {
     box.add({{b.lower_x, b.lower_y, b.lower_z}, {b.upper_x, b.upper_y, b.upper_z}});
