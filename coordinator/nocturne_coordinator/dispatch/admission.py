@@ -149,7 +149,7 @@ class Admission:
                 yield from self._commits.report(trouble)
             else:
                 if not is_done:
-                    # What was extended meanwhile is cut when that is known here.
+                    # The render was extended meanwhile; its new ranges are cut at the next look.
                     yield LookAgain()
                     continue
                 longest = _longest(schedule.range_ends)

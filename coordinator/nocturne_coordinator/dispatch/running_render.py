@@ -115,16 +115,16 @@ class RunningRender:
     def can_replan(self, row: OpenRender) -> bool:
         """Whether all that is merged is of ranges that the row's schedule has, too."""
         kept = self.planned.kept_in(row.schedule)
-        return all(tile.merged <= most for tile, most in zip(self.film.queues, kept, strict=True))
+        return all(queue.merged <= most for queue, most in zip(self.film.queues, kept, strict=True))
 
     def replan(self, row: OpenRender) -> list[bytes]:
         """Goes on by the row's schedule and conditions, where it can; gives entries of results that waited
         and are of no use now."""
         kept = self.planned.kept_in(row.schedule)
         surplus = [
-            state.waiting.pop(index)
-            for state, most in zip(self.film.queues, kept, strict=True)
-            for index in [each for each in state.waiting if each >= most]
+            queue.waiting.pop(index)
+            for queue, most in zip(self.film.queues, kept, strict=True)
+            for index in [each for each in queue.waiting if each >= most]
         ]
         # Its time of running is counted here.
         self.row = replace(row, ran_seconds=self.row.ran_seconds)
@@ -135,8 +135,8 @@ class RunningRender:
         self.film.replan(self.planned, row.stop)
         for tile_index in self.failed_tiles:
             surplus += self.film.give_up(tile_index)
-        for state in self.film.queues:
-            surplus += state.close() if state.closed else []
+        for queue in self.film.queues:
+            surplus += queue.close() if queue.closed else []
         self._dirty_totals = True
         return [each.entry for each in surplus]
 

@@ -36,6 +36,7 @@ from nocturne_api.rest.requests import Service, read_json
 router = APIRouter(prefix="/v1", tags=["renders"])
 
 _ACTION = body_of(RenderActionRequest, required=False)
+_OF_NEW = errors(Conflict, QuotaUsedUp, FolderFull, Overloaded)
 _OF_ONE = errors(NotFound, AmbiguousId)
 _OF_ONE_IN_A_STATE = errors(NotFound, AmbiguousId, WrongState)
 
@@ -44,7 +45,7 @@ _OF_ONE_IN_A_STATE = errors(NotFound, AmbiguousId, WrongState)
     "/renders",
     status_code=201,
     openapi_extra=body_of(CreateRenderRequest),
-    responses=errors(Conflict, QuotaUsedUp, FolderFull, Overloaded),
+    responses=_OF_NEW,
 )
 async def create_render(request: Request, operations: Service) -> Render:
     """Submits a scene. Repeating a request_id gives back the render made before."""
@@ -122,7 +123,7 @@ async def get_convergence(render_id: str, operations: Service) -> Convergence:
     "/groups",
     status_code=201,
     openapi_extra=body_of(CreateGroupRequest),
-    responses=errors(Conflict, QuotaUsedUp, FolderFull, Overloaded),
+    responses=_OF_NEW,
 )
 async def create_group(request: Request, operations: Service) -> NewGroup:
     """Submits a scene as many renders, frames and variants. Repeating a request_id gives back the same."""
