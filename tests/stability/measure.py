@@ -12,6 +12,7 @@ from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.compiled import CompiledFolder, compile_to
 from nocturne_client.local.programs import need_program
 
+from bench.programs import BASELINE, bench_program
 from bench.ways import Way
 from tests.accuracy.spectral_meters import Y_PER_RADIANCE
 from tests.stability.case import Case
@@ -80,8 +81,8 @@ def _trace(
     case: Case, truth: float, method: Way, compiled: CompiledFolder, folder: Path, threads: int
 ) -> Verdict:
     output, statistics = folder / "image.exr", folder / "statistics.json"
-    program = "nocturne-baseline" if method.baseline else "nocturne-trace"
-    command: list[object] = [need_program(program), compiled.scene, "-o", output, "--quiet"]
+    program = bench_program(BASELINE) if method.baseline else need_program("nocturne-trace")
+    command: list[object] = [program, compiled.scene, "-o", output, "--quiet"]
     command += ["--schedule", compiled.schedule, "--blobs", compiled.blobs, "--statistics", statistics]
     command += ["--threads", threads, *method.baseline]
     before = _cpu_s()
