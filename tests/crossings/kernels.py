@@ -125,9 +125,9 @@ def _principled(draft: Draft, depth: int) -> Document:
 
 
 def _null(draft: Draft, depth: int) -> Document:
-    """Where it is met: masked, as all light would pass it otherwise, and it would be left out."""
+    """In a blend: alone it would be left out."""
     other = {"type": "lambertian", "reflectance": reflectance(draft)}
-    return {"type": "two_sided", "front": other, "back": {"type": "null"}}
+    return {"type": "blend", "first": other, "second": {"type": "null"}, "weight": scalar(draft, 0.1, 0.9)}
 
 
 def _blend(draft: Draft, depth: int) -> Document:
@@ -140,4 +140,11 @@ def _mask(draft: Draft, depth: int) -> Document:
 
 
 def _two_sided(draft: Draft, depth: int) -> Document:
-    return {"type": "two_sided", "front": kernel(draft, depth + 1), "back": kernel(draft, depth + 1)}
+    """Of sides that let the same light through, or none."""
+    chance = draft.chance
+    if chance.maybe(0.2):
+        front = _transmitter(draft, depth)
+        return {"type": "two_sided", "front": front, "back": front | {"reflectance": colour(draft, 0.4)}}
+    opaque = (_lambertian, _phong, _measured, _coated, _principled, _conductor)
+    front, back = (draft.used("kernels", chance.pick(opaque)(draft, depth + 1)) for _ in range(2))
+    return {"type": "two_sided", "front": front, "back": back}

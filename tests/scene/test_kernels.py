@@ -181,24 +181,6 @@ def test_a_blend_with_all_weight_on_one_side_is_that_kernel(
     assert scene.surfaces[0].HasField("interior") == (weight == 1)
 
 
-def test_two_sides_have_kernels_of_their_own_also_inside_a_blend(
-    document: dict[str, Any], compiled: Compile
-) -> None:
-    sides = {"type": "two_sided", "front": GREY, "back": {"type": "conductor", "index": "Al"}}
-    scene = compiled(with_kernel(document, sides))
-    surface = scene.surfaces[0]
-    assert scene.kernels[surface.kernel].WhichOneof("model") == "lambertian"
-    assert scene.kernels[surface.back_kernel].WhichOneof("model") == "conductor"
-    blend = {"type": "blend", "first": sides, "second": {"type": "null"}, "weight": 0.5}
-    scene = compiled(with_kernel(document, blend))
-    surface = scene.surfaces[0]
-    front, back = (scene.kernels[index].blend.parts for index in (surface.kernel, surface.back_kernel))
-    assert [leaf(scene, part) for part in front] == ["lambertian", "null_kernel"]
-    assert [leaf(scene, part) for part in back] == ["conductor", "null_kernel"]
-    same = {"type": "two_sided", "front": GREY, "back": GREY}
-    assert not compiled(with_kernel(document, same)).surfaces[0].HasField("back_kernel")
-
-
 def nested(depth: int) -> dict[str, Any]:
     kernel: dict[str, Any] = GREY
     for _ in range(depth - 1):

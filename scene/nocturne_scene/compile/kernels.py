@@ -70,6 +70,11 @@ class Kernels:
             back = self._side(kernel, "back", place) if self._has_sides(kernel) else front
             if front is None or back is None:
                 return None
+            if self._through(front.front) != self._through(back.front):
+                raise Unusable(
+                    "lets other light through from its front than from its back, which no surface does; give "
+                    "both sides the same transmittance, or put two_sided into the mask or blend"
+                )
             return CompiledKernel(
                 front.front,
                 None if back.front == front.front else back.front,
@@ -87,6 +92,25 @@ class Kernels:
             case Mask() as mask:
                 return self._has_sides(mask.kernel)
         return False
+
+    def _through(self, index: int) -> list[tuple[str, bytes, list[bytes]]]:
+        """What a compiled kernel does to light that goes through the surface."""
+        kernel = self._workspace.kernels.messages[index]
+        parts = kernel.blend.parts or [scene_pb2.Blend.Part(kernel=index)]
+        found = []
+        for part in parts:
+            leaf = self._workspace.kernels.messages[part.kernel]
+            model = leaf.WhichOneof("model")
+            match model:
+                case "diffuse_transmitter":
+                    through = leaf.diffuse_transmitter.transmittance.SerializeToString(deterministic=True)
+                case "thin_pane" | "null_kernel":
+                    through = leaf.SerializeToString(deterministic=True)
+                case _:
+                    continue
+            factors = sorted(each.SerializeToString(deterministic=True) for each in part.factors)
+            found.append((model, through, factors))
+        return sorted(found)
 
     def _resolved(self, kernel: str | Kernel) -> Kernel:
         if isinstance(kernel, str):

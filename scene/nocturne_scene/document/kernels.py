@@ -189,7 +189,10 @@ class Mask(Node):
 
 
 class TwoSided(Node):
-    """A kernel for each side of the surface. Neither can be a dielectric: a boundary has both sides."""
+    """A kernel for each side of the surface. Neither can be a dielectric: a boundary has both sides.
+
+    Both let the same light through, or none: no surface lets light through in one direction only.
+    """
 
     type: Literal["two_sided"]
     front: "KernelReference" = Field(description="For light on the side that the normal points to.")

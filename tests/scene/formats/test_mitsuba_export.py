@@ -64,8 +64,16 @@ def refused(tmp_path: Path, *surfaces: Any, **parts: Any) -> list[str]:
         ({"type": "diffuse_transmitter", "reflectance": 0.5, "transmittance": 0.5}, "diffuse_transmitter"),
         ({"type": "thin_pane", "index": 1.5, "transmittance": 0.5}, "a pane that absorbs"),
         (
-            {"type": "two_sided", "front": {"type": "conductor", "index": "Ag"}, "back": {"type": "null"}},
-            "lets light through",
+            {
+                "type": "mask",
+                "kernel": {
+                    "type": "two_sided",
+                    "front": {"type": "conductor", "index": "Ag"},
+                    "back": {"type": "lambertian", "reflectance": 0.5},
+                },
+                "opacity": 0.5,
+            },
+            "two different sides that let light through",
         ),
     ],
 )

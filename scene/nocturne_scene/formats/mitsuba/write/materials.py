@@ -43,7 +43,7 @@ class _Sides:
         if front == back:
             return self._both(front)
         if any(self._goes_through(each) for each in (front, back)):
-            self._lost("two sides of which one lets light through can't be exported")
+            self._lost("two different sides that let light through can't be exported")
         both = plugin("bsdf", "twosided")
         both.extend([self._one(front), self._one(back)])
         return both
