@@ -182,6 +182,28 @@ TEST(Search, SliversAreMetOnTheirPlane) {
   EXPECT_EQ(again, 0u);
 }
 
+// As a camera does that stands in the plane of a wall.
+TEST(Search, RaysDoNotMeetThePlaneThatTheyStartIn) {
+  TriangleMesh wall;
+  wall.vertices = {{-4, -4, 0.5f}, {4, -4, 0.5f}, {4, 4, 0.5f}, {-4, 4, 0.5f}};
+  wall.triangles = {{0, 1, 2}, {0, 2, 3}};
+  const Geometry geometry({wall});
+  std::vector<TimedRay> rays;
+  for (std::uint32_t i = 0; i < 1'000; ++i) {
+    Vec3 from = any_point(i);
+    from.z = 0.5f;
+    rays.push_back({{from, any_direction(i, 1)}, 0.0f});
+  }
+  std::vector<std::optional<Hit>> hits(rays.size());
+  geometry.intersect(rays, hits);
+  std::vector<std::uint8_t> blocked(rays.size());
+  geometry.occluded(rays, blocked);
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    EXPECT_FALSE(hits[i]) << i;
+    EXPECT_FALSE(blocked[i]) << i;
+  }
+}
+
 TEST(Search, BuildingStopsWhenItIsTold) {
   const auto shapes = disorder(20'000, 0, {});
   std::stop_source stop;

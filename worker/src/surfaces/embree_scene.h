@@ -85,6 +85,9 @@ struct EmbreeScene {
   RTCDevice device_ = nullptr;
 };
 
+/// A ray does not meet the plane that it starts in: a camera on a wall sees the room.
+constexpr float kBeyondStart = std::numeric_limits<float>::min();
+
 /// A single ray, as Embree takes it.
 inline RTCRay embree_ray(const Ray& ray, float time, float end) {
   RTCRay r;
@@ -94,7 +97,7 @@ inline RTCRay embree_ray(const Ray& ray, float time, float end) {
   r.dir_x = ray.direction.x;
   r.dir_y = ray.direction.y;
   r.dir_z = ray.direction.z;
-  r.tnear = 0.0f;
+  r.tnear = kBeyondStart;
   r.tfar = end;
   r.time = time;
   r.mask = ~0u;

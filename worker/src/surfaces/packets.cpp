@@ -56,7 +56,7 @@ void fill(Packet& packet, std::span<const TimedRay> rays, std::span<int> valid) 
                         packet.dir_z, packet.time, packet.tfar}) {
     _mm256_store_ps(column, rows[row++].lanes);
   }
-  _mm256_store_ps(packet.tnear, _mm256_setzero_ps());
+  _mm256_store_ps(packet.tnear, _mm256_set1_ps(kBeyondStart));
   const auto set = [](unsigned* column, int all) {
     _mm256_store_si256(reinterpret_cast<__m256i*>(column), _mm256_set1_epi32(all));
   };
