@@ -13,6 +13,7 @@ import numpy.typing as npt
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 
 from nocturne_scene.errors import InputError
+from nocturne_scene.library_words import said_by
 
 CHANNELS: dict[str, tuple[str, ...]] = {
     "albedo": ("albedo.R", "albedo.G", "albedo.B"),
@@ -68,19 +69,19 @@ def write_layers(path: Path, names: Sequence[str], values: Values, objects: str)
     pixels = np.ascontiguousarray(values[..., [every.index(channel) for channel in wanted]])
     output = oiio.ImageOutput.create("exr")
     if output is None or not (output.open(str(path), spec) and output.write_image(pixels) and output.close()):
-        raise OSError(f"can't write {path}: {oiio.geterror()}")
+        raise OSError(f"can't write {path}: {said_by(oiio.geterror)}")
 
 
 def read_layers(path: Path) -> Layers:
     """What `write_layers` wrote. Raises OSError."""
     picture = oiio.ImageInput.open(str(path))
     if picture is None:
-        raise OSError(f"can't read {path}: {oiio.geterror()}")
+        raise OSError(f"can't read {path}: {said_by(oiio.geterror)}")
     try:
         spec = picture.spec()
         pixels = picture.read_image(oiio.FLOAT)
         if pixels is None:
-            raise OSError(f"can't read {path}: {picture.geterror()}")
+            raise OSError(f"can't read {path}: {said_by(picture.geterror)}")
         names = [str(name) for name in spec.channelnames]
         channels = {name: np.ascontiguousarray(pixels[..., i]) for i, name in enumerate(names)}
         return Layers(channels, {OBJECTS: spec.get_string_attribute(OBJECTS)})

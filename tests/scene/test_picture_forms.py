@@ -216,3 +216,11 @@ def test_what_is_plain_is_not_copied(tmp_path: Path, monkeypatch: pytest.MonkeyP
     seen(radiance(tmp_path / "a.hdr", SEEN, "-Y 2 +X 3", "EXPOSURE=1"))
     srgb = (0.64, 0.33, 0.3, 0.6, 0.15, 0.06, 0.3127, 0.329)
     seen(exr(tmp_path / "a.exr", SEEN, "R G B", chromaticities=srgb))
+
+
+def test_a_header_whose_names_are_no_text_is_told(tmp_path: Path) -> None:
+    picture = tmp_path / "damaged.exr"
+    write_exr(picture, np.ones((4, 4, 3), np.float32))
+    picture.write_bytes(picture.read_bytes().replace(b"chlist\0", b"\xffhlist\0", 1))
+    with pytest.raises(UnusableImageError, match="names that are no text"), opened(picture):
+        pass

@@ -171,8 +171,8 @@ def _radiance(source: Path, folder: Path) -> Path:
 def _exr(source: Path, folder: Path) -> Path:
     picture = oiio.ImageInput.open(str(source))
     if picture is None:
-        # Said by who opens it.
-        oiio.geterror()
+        # Asked, so that it is not said of another picture; told by who opens it.
+        said_by(oiio.geterror)
         return source
     try:
         spec = picture.spec()
