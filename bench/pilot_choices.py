@@ -26,10 +26,10 @@ from bench.ways import gathers
 
 _FILM = FilmSize(48, 32)
 _SAMPLES = 512
-"""Of the render that a pilot chooses for: 786,432 in all."""
+"""Of the render that a pilot chooses for, and of the images that judge the choice: 786,432 in all."""
 _FORTY = 40
-_SEEDS, _CPU_S = 16, 0.2
-_ROUNDS, _MORE_ROUNDS, _CLOSE = 8, 24, 3.0
+_SEEDS = 16
+_ROUNDS, _MORE_ROUNDS, _CLOSE = 4, 12, 3.0
 """Rounds of all methods, then of those that are at most so many times worse than the best."""
 _REFERENCES, _REFERENCE_CPU_S, _REFERENCE_SEED = 8, 1.5, 5000
 _GOOD, _BAD, _LEAST = 1.25, 2.0, 1e-12
@@ -91,13 +91,12 @@ def _scene(document: Document, place: Path, seeds: int, rounds: int, more_rounds
     long = by_way[max(set(chosen), key=chosen.count)]
     samples = samples_for(long, _REFERENCE_CPU_S)
     reference = Reference.of([long.frame(samples, _REFERENCE_SEED + i).y for i in range(_REFERENCES)])
-    counts = {way: samples_for(ours, _CPU_S) for way, ours in by_way.items()}
     products: dict[str, list[float]] = {way: [] for way in by_way}
 
     def render(ways: list[str], seeds: range) -> None:
         for seed in seeds:
             for way in ways:
-                frame = by_way[way].frame(counts[way], seed)
+                frame = by_way[way].frame(_SAMPLES, seed)
                 products[way].append(true_relmse(frame.y, reference.y, reference.error) * frame.cpu_s)
 
     render(list(by_way), range(rounds))
