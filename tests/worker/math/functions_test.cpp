@@ -113,6 +113,19 @@ TEST(Functions, TheComplementaryErrorFunction) {
   }
 }
 
+TEST(Functions, TheInverseOfTheErrorFunction) {
+  for (int i = 0; i < kArguments; ++i) {
+    const double y = 2.0 * spread(i) - 1.0;
+    if (std::fabs(y) > 1.0 - 1e-7) continue;
+    const double x = erf_inverse(y);
+    // How far off x is, by the slope of the error function.
+    const double off = (std::erf(x) - y) * 0.5 * std::sqrt(std::numbers::pi) * std::exp(x * x);
+    ASSERT_LE(std::fabs(off), 4e-7 * std::fabs(x)) << y;
+  }
+  EXPECT_EQ(erf_inverse(0.0), 0.0);
+  EXPECT_NEAR(erf_inverse(1.0 - 1e-12), 5.0420297, 0.1);
+}
+
 TEST(Functions, LargeAngles) {
   for (int i = 0; i < kArguments; ++i) {
     const double x = 2e6 * spread(i) - 1e6;

@@ -3,7 +3,7 @@
 // through Rough Surfaces", EGSR 2007, equations 25 to 28 (the exact form with erf); Heitz, JCGT
 // 3(2), 2014, equations 67, 72 and 99. Normals are drawn from those that wo sees, slope by slope:
 // Heitz and d'Eon, "Importance Sampling Microfacet-Based BSDFs using the Distribution of Visible
-// Normals", Computer Graphics Forum 33(4), 2014; the slope along wo by bisection of its integral.
+// Normals", Computer Graphics Forum 33(4), 2014.
 #pragma once
 
 #include "math/vec3.h"

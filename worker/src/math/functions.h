@@ -395,4 +395,8 @@ T hypot(T x, T y, T z) {
 /// The complementary error function, to 1e-12 of its value.
 double erfc(double x);
 
+/// The inverse of the error function for x in (-1, 1): to 4e-7 of its value where |x| < 1 - 1e-7,
+/// to a tenth beyond.
+double erf_inverse(double x);
+
 }  // namespace nocturne::math
