@@ -139,6 +139,13 @@ def mitsuba(
 ) -> Iterator[dict[str, Mitsuba]]:
     """Starts it with the scene, exported into the folder; gives contenders: SAMPLERS and PARTICLES."""
     exported = export_to(document, folder, "mitsuba", Film(film.width, film.height, 1))
+    with mitsuba_of(installed, exported.scene, folder, threads) as found:
+        yield found
+
+
+@contextmanager
+def mitsuba_of(installed: Installed, scene: Path, folder: Path, threads: int) -> Iterator[dict[str, Mitsuba]]:
+    """The same of a scene of its own, whose sampler is `$sampler`; `folder` is for images."""
     script = Path(__file__).with_name("mitsuba_server.py")
     process = subprocess.Popen(
         [
@@ -147,7 +154,7 @@ def mitsuba(
             str(script),
             installed.variant,
             str(threads),
-            str(exported.scene),
+            str(scene),
             *SAMPLERS,
         ],
         stdin=subprocess.PIPE,
