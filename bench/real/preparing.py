@@ -69,7 +69,7 @@ def _write_grey(file: Path) -> None:
 
 def _renew(parent: ET.Element, child: ET.Element) -> None:
     name, value = child.get("name", ""), child.get("value", "")
-    if name == "use_path_guiding":
+    if name in ("use_path_guiding", "usePathGuiding"):
         parent.remove(child)
     elif child.tag in ("srgb", "rgb") and _HEX.fullmatch(value):
         child.tag = "rgb"

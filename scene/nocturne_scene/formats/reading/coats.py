@@ -9,6 +9,7 @@ R' / (1 - R' E) = c^2 R / (1 - e) = G follows R' = G / (1 + G E).
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,6 +51,7 @@ def smooth_coat(index: float) -> Coat:
     return Coat(inside, inside)
 
 
+@lru_cache(maxsize=4096)  # Every shape that refers to a material asks for it again.
 def rough_coat(index: float, alpha: float, distribution: str) -> Coat:
     """The same with facets of Mitsuba's. The kernel's coat lets through what GGX facets of that alpha do."""
     ours, _, _ = Facets(alpha, "ggx").means(_NODES, index)
