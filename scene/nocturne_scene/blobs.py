@@ -85,10 +85,14 @@ class NoteKey(NamedTuple):
 class BlobStore:
     """A folder of blobs: `root/ab/abcdef...`, lower-case hexadecimal. Safe for many processes at once."""
 
-    def __init__(self, root: Path, remote: RemoteStore | None = None) -> None:
-        """With a remote store, every method may raise what the object store raises, too."""
+    def __init__(self, root: Path, remote: RemoteStore | None = None, *, durable: bool = True) -> None:
+        """With a remote store, every method may raise what the object store raises, too.
+
+        `durable`: what is stored survives a power cut; a folder that goes after a render needs no such thing.
+        """
         self.root = root
         self.remote = remote
+        self._durable = durable
         self._incoming = root / "incoming"
         self._incoming.mkdir(parents=True, exist_ok=True)
 
@@ -171,13 +175,13 @@ class BlobStore:
 
     @contextmanager
     def writer(self, sha256: str, size_bytes: int) -> Iterator[BlobWriter]:
-        """Write a blob's bytes inside `with`; at its end it is verified, durable and visible, or gone.
+        """Write a blob's bytes inside `with`; at its end it is verified and visible, or gone.
 
         Raises InputError where size or digest differ from the declared ones, or the size is over the limit.
         """
         place = self._place(sha256)
         check_size(size_bytes)
-        with replacing(place, durable=True, folder=self._incoming) as unfinished:
+        with replacing(place, durable=self._durable, folder=self._incoming) as unfinished:
             with unfinished.open("wb") as file:
                 writer = BlobWriter(file, size_bytes)
                 yield writer
@@ -185,8 +189,9 @@ class BlobStore:
             if self.remote is not None:
                 self.remote.put(_object_name(sha256), unfinished)
             place.parent.mkdir(exist_ok=True)
-        # The folder may be new.
-        sync(self.root)
+        if self._durable:
+            # The folder may be new.
+            sync(self.root)
 
     def put(self, data: bytes) -> str:
         """Stores bytes made here; gives their digest."""

@@ -1,10 +1,12 @@
 """Write, then rename: who reads a file meets the old one or the new one."""
 
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+from nocturne_scene.blobs import BlobStore
 from nocturne_scene.replacing import UNFINISHED, replacing
 
 
@@ -51,3 +53,14 @@ def test_what_guards_the_renaming_may_refuse_it(tmp_path: Path) -> None:
     with pytest.raises(PermissionError), replacing(path, within=refusing()) as unfinished:
         unfinished.write_text("whole")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("durable", [False, True])
+def test_only_a_durable_store_waits_for_the_disk(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, durable: bool
+) -> None:
+    waited: list[int] = []
+    monkeypatch.setattr(os, "fsync", waited.append)
+    blobs = BlobStore(tmp_path, durable=durable)
+    assert blobs.is_whole(blobs.put(b"light"))
+    assert bool(waited) == durable

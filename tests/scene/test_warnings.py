@@ -4,13 +4,16 @@ import json
 import math
 from pathlib import Path
 from typing import Any
+from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
 from nocturne_scene.blobs import BlobStore
+from nocturne_scene.compile import fine_textures
 from nocturne_scene.compile.compiler import compile_scene
 from nocturne_scene.document.read import parse_document
 from nocturne_scene.film import Film
+from nocturne_scene.textures import pictures
 
 from tests.accuracy.scenes import furnace
 from tests.pictures import write_exr
@@ -168,7 +171,7 @@ def test_a_sphere_around_the_sensor_is_a_room(blobs: BlobStore) -> None:
 
 
 def test_a_texture_finer_than_the_film_is_told(
-    document: dict[str, Any], blobs: BlobStore, tmp_path: Path
+    document: dict[str, Any], blobs: BlobStore, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The quad's edge of 1 m has 64 texels of 1/64 m. At a distance of z a pixel of a film with h rows, 40
     degrees high, sees 0.73 z / h."""
@@ -178,6 +181,12 @@ def test_a_texture_finer_than_the_film_is_told(
         "shape": {"type": "quad", "corner": [0, 0, 10], "edge_u": [1, 0, 0], "edge_v": [0, 1, 0]},
         "kernel": {"type": "lambertian", "reflectance": texture},
     }
+    opened = MagicMock(wraps=pictures.opened)
+    monkeypatch.setattr(fine_textures, "opened", opened)
+    document["surfaces"] += 3 * [document["surfaces"][1]]
+    assert sum("texels" in each for each in warnings(document, blobs, Film(40, 40, 1))) == 4
+    assert opened.call_count == 1
+    del document["surfaces"][2:]
     [told] = warnings(document, blobs, Film(40, 40, 1))
     # 12 m away: 0.2184 m, 13.98 texels.
     assert told.startswith("$.surfaces[1]: its texture of 64 x 64 texels has 14 of them along a pixel's edge")

@@ -2,6 +2,8 @@
 
 import math
 from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -30,6 +32,8 @@ def fine_textures(workspace: Workspace, shapes: Shapes, film: Film) -> Iterator[
     sensor = document.sensor
     if sensor.motion is not None or not isinstance(sensor, Pinhole | ThinLens | Orthographic):
         return
+    # To open a picture can take a tenth of a second, and hundreds of surfaces may show the same.
+    sizes: dict[str, tuple[int, int]] = {}
     for index, surface in enumerate(document.surfaces):
         uses = list(
             _uses(document.kernels.get(surface.kernel) if isinstance(surface.kernel, str) else surface.kernel)
@@ -40,7 +44,7 @@ def fine_textures(workspace: Workspace, shapes: Shapes, film: Film) -> Iterator[
             continue
         pixel = _pixel(shapes, surface, sensor, film.height)
         for use in uses:
-            texels = _texels(workspace, use)
+            texels = _texels(workspace, use, sizes)
             texel = _texel(shapes, surface, use, texels) if texels else 0.0
             if texel > 0.0 and pixel / texel > _TOO_FINE:
                 yield (
@@ -81,15 +85,20 @@ def _pixel(shapes: Shapes, surface: Surface, sensor: Pinhole | ThinLens | Orthog
     return float(np.linalg.norm(nearest - position)) * 2.0 * math.tan(0.5 * angle) / rows
 
 
-def _texels(workspace: Workspace, use: TextureUse) -> tuple[int, int]:
-    """Columns and rows of the picture; none where it can't be read."""
+def _texels(workspace: Workspace, use: TextureUse, sizes: dict[str, tuple[int, int]]) -> tuple[int, int]:
+    """Columns and rows of the picture; none where it can't be read. `sizes`: of those that were opened."""
     texture = workspace.document.textures[use.texture] if isinstance(use.texture, str) else use.texture
-    try:
-        with opened(workspace.blobs.path(workspace.asset(texture.asset).hex())) as picture:
-            spec = picture.spec()
-            return spec.width, spec.height
-    except (Unusable, UnusableImageError, NocturneError):
-        return 0, 0
+    if texture.asset not in sizes:
+        sizes[texture.asset] = 0, 0
+        with suppress(Unusable, UnusableImageError, NocturneError):
+            sizes[texture.asset] = _size(workspace.blobs.path(workspace.asset(texture.asset).hex()))
+    return sizes[texture.asset]
+
+
+def _size(picture: Path) -> tuple[int, int]:
+    with opened(picture) as file:
+        spec = file.spec()
+        return spec.width, spec.height
 
 
 def _texel(shapes: Shapes, surface: Surface, use: TextureUse, texels: tuple[int, int]) -> float:

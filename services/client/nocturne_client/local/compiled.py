@@ -69,7 +69,7 @@ def compile_to(
         # Problems of the film are reported before the work.
         make_schedule(width, height, samples)
         document = check_document(changed(on_disk.document, made))
-        blobs = BlobStore(folder / "blobs")
+        blobs = BlobStore(folder / "blobs", durable=False)
         store_files(on_disk, blobs)
         film = Film(width, height, samples)
         names = () if layers is None else known_layers((*layers, *usual_layers(document, film)))
