@@ -49,6 +49,12 @@ SCENES = {
     "participating_media/test_hetero_sigmat_volpath": ("", _SKYLIGHT),
 }
 
+# Their sums differ by about their noise: by some random numbers they agree.
+NEAR = {
+    "mesh_attributes/test_mesh_attributes_1_face_direct",
+    "participating_media/test_hetero_sigmat_volpath",
+}
+
 # Scenes that have unsupported parts, with the importer's messages.
 REFUSED = {
     "various_shapes/test_various_shapes_path": 'no equal of the shape "sdfgrid"',
@@ -93,11 +99,12 @@ def told(found: Rendered) -> str:
 
 
 def expected(column: int) -> list[Any]:
-    """All scenes; those that are known to differ must."""
-    return [
-        pytest.param(name, marks=pytest.mark.xfail(reason=why[column], strict=True) if why[column] else ())
-        for name, why in SCENES.items()
-    ]
+    """All scenes; those that are known to differ must, unless by little more than their noise."""
+
+    def marks(name: str, why: str) -> Any:
+        return pytest.mark.xfail(reason=why, strict=name not in NEAR) if why else ()
+
+    return [pytest.param(name, marks=marks(name, why[column])) for name, why in SCENES.items()]
 
 
 @pytest.mark.parametrize("name", expected(0))
