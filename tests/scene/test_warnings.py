@@ -184,7 +184,9 @@ def test_a_texture_finer_than_the_film_is_told(
     opened = MagicMock(wraps=pictures.opened)
     monkeypatch.setattr(fine_textures, "opened", opened)
     document["surfaces"] += 3 * [document["surfaces"][1]]
-    assert sum("texels" in each for each in warnings(document, blobs, Film(40, 40, 1))) == 4
+    [told] = [each for each in warnings(document, blobs, Film(40, 40, 1)) if "texels" in each]
+    assert told.startswith("$.surfaces[1]: its texture")
+    assert told.endswith("the same is true of 3 others, numbers apart")
     assert opened.call_count == 1
     del document["surfaces"][2:]
     [told] = warnings(document, blobs, Film(40, 40, 1))

@@ -2,8 +2,9 @@
 
 import json
 import math
+import re
 from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import combinations
 
 import numpy as np
@@ -39,6 +40,11 @@ _MAX_PAIRS = 100
 _MISSING = 1e-3
 """Part of the light that a limit of interactions may take without being told."""
 
+_MAX_ALIKE = 3
+"""Warnings of a kind that are each told: an imported room had 773."""
+
+_PLACES_AND_NUMBERS = re.compile(r"\$[^\s:,]*|\d[\d.e+-]*")
+
 _Corners = NDArray[np.float64]
 
 
@@ -47,12 +53,24 @@ def warnings_of(workspace: Workspace, shapes: Shapes, film: Film | None) -> list
     document = workspace.document
     return [
         *_mixture(document),
-        *_open_bodies(workspace, shapes),
-        *_crossing_bodies(document, shapes),
+        *_counted(_open_bodies(workspace, shapes)),
+        *_counted(_crossing_bodies(document, shapes)),
         *_depth_limit(workspace, shapes),
-        *coarse(workspace, shapes),
-        *(fine_textures(workspace, shapes, film) if film is not None else ()),
+        *_counted(coarse(workspace, shapes)),
+        *_counted(fine_textures(workspace, shapes, film) if film is not None else ()),
     ]
+
+
+def _counted(sentences: Iterable[str]) -> Iterator[str]:
+    """The same; of many that differ in places and numbers alone, the first one and how many others."""
+    kinds: dict[str, list[str]] = defaultdict(list)
+    for sentence in sentences:
+        kinds[_PLACES_AND_NUMBERS.sub("", sentence)].append(sentence)
+    for alike in kinds.values():
+        if len(alike) > _MAX_ALIKE:
+            yield f"{alike[0]}; the same is true of {len(alike) - 1} others, numbers apart"
+        else:
+            yield from alike
 
 
 def _mixture(document: SceneDocument) -> Iterator[str]:
