@@ -250,20 +250,36 @@ def test_plastic_that_polarises_loses_what_the_coat_sends_back(tmp_path: Path) -
         assert np.prod(through) * base / np.pi == pytest.approx(expected, rel=1e-4)
 
 
-def test_a_textured_base_saturates_no_more_than_an_even_one(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("bsdf", "nonlinear"), [("plastic", False), ("roughplastic", False), ("roughplastic", True)]
+)
+def test_a_textured_base_is_under_a_coat_what_an_even_one_is(
+    tmp_path: Path, bsdf: str, nonlinear: bool
+) -> None:
     (tmp_path / "in").mkdir()
     write_exr(tmp_path / "in" / "t.exr", np.array([[[0.2, 0.5, 0.9], [1.0, 0.0, 0.5]]]), "RGB")
-    texture = (
+    words = (
         '<texture name="diffuse_reflectance" type="bitmap"><string name="filename" value="t.exr"/></texture>'
+        f'<boolean name="nonlinear" value="{str(nonlinear).lower()}"/>'
     )
-    found = kernel(tmp_path, f'<bsdf type="plastic">{texture}</bsdf>')["front"]
+    words += '<float name="alpha" value="0.2"/>' if bsdf == "roughplastic" else ""
+    found = kernel(tmp_path, f'<bsdf type="{bsdf}">{words}</bsdf>')["front"]
     document = json.loads((tmp_path / "out" / "scene.json").read_text())
     asset = document["textures"][found["reflectance"]["texture"]]["asset"]
     under = np.asarray(oiio.ImageBuf(str(tmp_path / "out" / asset)).get_pixels(oiio.FLOAT))
-    # What one of the same reflectance everywhere becomes.
-    coat = smooth_coat(found["index"])
-    expected = [base_under(coat, each, linear=True) for each in (0.2, 0.5, 0.9, 1.0, 0.0, 0.5)]
+    index = found["index"]
+    coat = smooth_coat(index) if bsdf == "plastic" else rough_coat(index, 0.2, "beckmann")
+    expected = [base_under(coat, each, linear=not nonlinear) for each in (0.2, 0.5, 0.9, 1.0, 0.0, 0.5)]
     assert under.ravel() == pytest.approx(expected, abs=1e-6)
+
+
+def test_a_metal_with_another_table_than_mitsubas_is_told(tmp_path: Path) -> None:
+    for name, told in {"Cr": "55.5% of light of 550 nm, Mitsuba's 65.9%", "Al": ""}.items():
+        metal = f'<bsdf type="conductor"><string name="material" value="{name}"/></bsdf>'
+        _, made = imported(tmp_path / name, f'<shape type="sphere">{metal}</shape>')
+        notes = [each for each in made.notes if "another table than in Mitsuba" in each]
+        assert len(notes) == bool(told)
+        assert all(told in each for each in notes)
 
 
 def test_a_polarizer_lets_half_of_the_light_through(tmp_path: Path) -> None:

@@ -9,6 +9,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+import numpy as np
+
 from nocturne_scene.errors import InputError
 from nocturne_scene.formats.mitsuba.read import lobes, spectra, textures
 from nocturne_scene.formats.mitsuba.read.context import Context
@@ -18,6 +20,7 @@ from nocturne_scene.formats.mitsuba.read.properties import Properties
 from nocturne_scene.formats.reading import colours, metals
 from nocturne_scene.formats.reading.coats import Coat, base_under, rough_coat, smooth_coat
 from nocturne_scene.formats.reading.scene_writer import Json
+from nocturne_scene.spectra import indices
 
 BLACK = {"type": "lambertian", "reflectance": 0.0}
 
@@ -48,7 +51,9 @@ INDICES = {
     "pet": 1.5750,
     "diamond": 2.419,
 }
-_METALS = ("Ag", "Al", "Au", "Cr", "Cu")
+# The metals, and what those of Mitsuba 3.9.1 reflect of light of 550 nm that comes straight down.
+_METALS = {"Ag": 0.960, "Al": 0.921, "Au": 0.847, "Cr": 0.659, "Cu": 0.634}
+_SAME_METAL = 0.01
 # Outside of a body: what a camera stands in.
 _THIN = 1.001
 
@@ -177,6 +182,7 @@ def _metal(context: Context, properties: Properties) -> Json:
                 properties.place,
                 f'no table of "{material[:40]}"; expected {", ".join(_METALS)}, or eta and k',
             )
+        _note_other_table(context, material, properties.place)
         return material
     eta, k = properties.take("eta"), properties.take("k")
     if eta is None or k is None:
@@ -184,6 +190,19 @@ def _metal(context: Context, properties: Properties) -> Json:
         context.findings.note(properties.place, "a perfect mirror became a metal that reflects 99.8 %")
         return {"n": 0.001, "k": 1.0}
     return {"n": _part(context, eta), "k": _part(context, k)}
+
+
+def _note_other_table(context: Context, material: str, place: str) -> None:
+    found = indices.metal(material)
+    at = np.array([550.0])
+    n, k = float(found.n(at)[0]), float(found.k(at)[0])
+    reflected = ((n - 1) ** 2 + k**2) / ((n + 1) ** 2 + k**2)
+    if abs(reflected - _METALS[material]) > _SAME_METAL:
+        context.findings.note(
+            place,
+            f'"{material}" has another table than in Mitsuba ({found.source}): it reflects {reflected:.1%} '
+            f"of light of 550 nm, Mitsuba's {_METALS[material]:.1%}; give eta and k for the same",
+        )
 
 
 def _part(context: Context, element: Element) -> Json:
@@ -255,9 +274,10 @@ def _coated(context: Context, properties: Properties, index: float, coat: Coat) 
     linear = not properties.switch("nonlinear", False)
     if not (isinstance(base, dict) and "texture" in base):
         base = base_under(coat, base, linear=linear)
-    elif linear:
+    elif linear or coat != smooth_coat(index):
+        # A smooth coat that saturates colours leaves them as they are.
         base = textures.changed(
-            context, base, lambda pixels: coat.changed(pixels, linear=True), properties.place
+            context, base, lambda pixels: coat.changed(pixels, linear=linear), properties.place
         )
     return {"type": "coated_diffuse", "index": index, "reflectance": base}
 
