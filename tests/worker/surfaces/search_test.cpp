@@ -204,6 +204,33 @@ TEST(Search, RaysDoNotMeetThePlaneThatTheyStartIn) {
   }
 }
 
+// Embree would end the program.
+TEST(Search, RaysOfNoNumbersMeetNothing) {
+  TriangleMesh wall;
+  wall.vertices = {{-4, -4, 0}, {4, -4, 0}, {4, 4, 0}};
+  wall.triangles = {{0, 1, 2}};
+  const Geometry geometry({wall});
+  constexpr float kNan = std::numeric_limits<float>::quiet_NaN(),
+                  kInfinity = std::numeric_limits<float>::infinity();
+  const std::vector<TimedRay> rays = {
+      {{{0, -1, 1}, {0, 0, -1}}, 0.0f},     {{{kNan, 0, 1}, {0, 0, -1}}, 0.0f},
+      {{{0, -1, 1}, {0, kNan, -1}}, 0.0f},  {{{0, -1, kInfinity}, {0, 0, -1}}, 0.0f},
+      {{{0, -1, 1e30f}, {0, 0, -1}}, 0.0f}, {{{0, -1, 1}, {0, 0, -1}}, kNan},
+      {{{0, -1, 1}, {0, 0, -1}}, 0.0f}};
+  std::vector<std::optional<Hit>> hits(rays.size());
+  std::vector<std::uint8_t> blocked(rays.size());
+  geometry.intersect(rays, hits);
+  geometry.occluded(rays, blocked);
+  Departure exact;
+  exact.exact = true;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const bool is_ray = i == 0 || i + 1 == rays.size();
+    EXPECT_EQ(hits[i].has_value(), is_ray) << i;
+    EXPECT_EQ(blocked[i] != 0, is_ray) << i;
+    EXPECT_EQ(geometry.intersect(rays[i].ray, rays[i].time, exact).has_value(), is_ray) << i;
+  }
+}
+
 TEST(Search, BuildingStopsWhenItIsTold) {
   const auto shapes = disorder(20'000, 0, {});
   std::stop_source stop;

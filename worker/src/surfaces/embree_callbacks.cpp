@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "surfaces/embree_scene.h"
 #include "surfaces/sphere_intersection.h"
 
 namespace nocturne {
@@ -168,6 +169,7 @@ std::optional<RTCRay> ray_in_group(const PlacedInstance& instance, RTCRay ray,
   ray.dir_x = direction.x;
   ray.dir_y = direction.y;
   ray.dir_z = direction.z;
+  if (!can_be_searched(ray)) return std::nullopt;
   return ray;
 }
 

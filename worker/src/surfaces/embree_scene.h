@@ -3,6 +3,7 @@
 
 #include <embree3/rtcore.h>
 
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <list>
@@ -104,6 +105,14 @@ inline RTCRay embree_ray(const Ray& ray, float time, float end) {
   r.id = 0;
   r.flags = 0;
   return r;
+}
+/// Embree ends the program where it is given other rays: numbers that are none, or of no scene.
+/// Such a ray meets nothing.
+constexpr float kMostSearched = 1e18f;
+inline bool can_be_searched(const RTCRay& ray) {
+  const auto usable = [](float each) { return std::fabs(each) < kMostSearched; };
+  return usable(ray.org_x) && usable(ray.org_y) && usable(ray.org_z) && usable(ray.dir_x) &&
+         usable(ray.dir_y) && usable(ray.dir_z) && ray.tfar == ray.tfar && usable(ray.time);
 }
 inline RTCRayHit embree_query(const Ray& ray, float time) {
   RTCRayHit query;

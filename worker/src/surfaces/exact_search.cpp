@@ -153,7 +153,7 @@ std::optional<Hit> nearest_ahead(const EmbreeScene& scene, const Ray& ray, float
   const Double3 from = line.origin - line.back * Double3(ray.direction);
   NearestAhead search(scene, line, static_cast<float>(3.0 * line.back), cosine < kGrazing);
   RTCRayHit query = embree_query({from.rounded(), ray.direction}, time);
-  rtcIntersect1(scene.scene, &search.context.context, &query);
+  if (can_be_searched(query.ray)) rtcIntersect1(scene.scene, &search.context.context, &query);
   std::size_t first = kMaxNear;
   for_each_ahead(scene, line, search.picture, [&](std::size_t i) {
     const auto distance = [&](std::size_t j) { return search.picture.crossed[j].at.distance; };
@@ -182,7 +182,7 @@ std::size_t crossings_near(const EmbreeScene& scene, const Ray& ray, float time,
   NearestAhead search(scene, line, std::numeric_limits<float>::infinity(), false);
   RTCRayHit query = embree_query({from.rounded(), ray.direction}, time);
   query.ray.tfar = 2.0f * reach;
-  rtcIntersect1(scene.scene, &search.context.context, &query);
+  if (can_be_searched(query.ray)) rtcIntersect1(scene.scene, &search.context.context, &query);
   Picture& picture = search.picture;
   std::array<std::size_t, kMaxNear> ahead;
   std::size_t count = 0;

@@ -47,10 +47,20 @@ template <class Packet>
 void fill(Packet& packet, std::span<const TimedRay> rays, std::span<int> valid) {
   std::array<Row, kPacket> rows;
   for (std::size_t i = 0; i < kPacket; ++i) {
-    valid[i] = i < rays.size() ? -1 : 0;
     rows[i].lanes = _mm256_loadu_ps(&rays[std::min(i, rays.size() - 1)].ray.origin.x);
   }
   transpose(rows);
+  const __m256 positive = _mm256_castsi256_ps(_mm256_set1_epi32(0x7fffffff));
+  const __m256 end = rows[kPacket - 1].lanes;
+  __m256 usable = _mm256_cmp_ps(end, end, _CMP_EQ_OQ);
+  for (std::size_t i = 0; i + 1 < kPacket; ++i) {
+    const __m256 size = _mm256_and_ps(rows[i].lanes, positive);
+    usable = _mm256_and_ps(usable, _mm256_cmp_ps(size, _mm256_set1_ps(kMostSearched), _CMP_LT_OQ));
+  }
+  const int usable_lanes = _mm256_movemask_ps(usable);
+  for (std::size_t i = 0; i < kPacket; ++i) {
+    valid[i] = i < rays.size() && (usable_lanes >> i & 1) != 0 ? -1 : 0;
+  }
   std::size_t row = 0;
   for (float* column : {packet.org_x, packet.org_y, packet.org_z, packet.dir_x, packet.dir_y,
                         packet.dir_z, packet.time, packet.tfar}) {
