@@ -99,6 +99,14 @@ def test_any_words(name: str) -> None:
     run()
 
 
+@pytest.mark.parametrize("allow_missing", [False, True])
+def test_a_mesh_of_points_without_triangles(allow_missing: bool) -> None:
+    header = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n"
+    header += "element face 0\nproperty list uchar int vertex_indices\nend_header\n"
+    mesh = f"{header}0 0 0\n1 0 0\n0 1 0\n".encode()
+    try_import("scene.pbrt", {"a.ply": mesh}, allow_missing=allow_missing)
+
+
 @pytest.mark.parametrize(("name", "part"), [("scene.xml", "a.vol"), ("scene.pbrt", "a.ply")])
 def test_any_bytes_of_a_part(name: str, part: str) -> None:
     content = (CORPUS / part).read_bytes()

@@ -25,7 +25,9 @@ class Extent:
     _boxes: list[Points] = field(default_factory=list)
 
     def add(self, points: Points) -> None:
-        """Let the box hold a shape more."""
+        """Let the box hold a shape more; one without points changes nothing."""
+        if len(points) == 0:
+            return
         box = np.stack([points.min(axis=0), points.max(axis=0)])
         self.lowest = np.minimum(self.lowest, box[0])
         self.highest = np.maximum(self.highest, box[1])
