@@ -41,6 +41,26 @@ def test_light_that_a_pilot_hardly_met_is_told() -> None:
         assert f'`"direction": "{direction}"` would find it' in told.sentence
 
 
+def test_a_pilot_that_sees_nothing_says_where_light_may_be_missing(tmp_path: Path) -> None:
+    """A meter 1 m under water in the Sun: refraction turns its disc away from where photons are aimed."""
+    water = surface(
+        {"type": "box", "minimum": [-90, -90, -3], "maximum": [90, 90, 0]},
+        {"type": "dielectric", "index": 1.33},
+    )
+    meter = {"type": "irradiance_meter", "position": [0, 0, -1], "normal": [0, 0, 1], "height": 0.1}
+    document = {
+        "nocturne": 1,
+        "sensor": meter,
+        "surfaces": [water],
+        "distant": [{"direction": [0.8660254037844386, 0, 0.5], "irradiance": 1}],
+    }
+    (tmp_path / "scene.json").write_text(json.dumps(document))
+    compiled = compile_to(tmp_path / "scene.json", tmp_path, 8, 6, 256)
+    assert "failed" not in compiled.way
+    [told] = [each.sentence for each in compiled.warnings if "small bright light sources" in each.sentence]
+    assert "any number of times the light shown there" in told
+
+
 SILVER: dict[str, object] = {"type": "conductor", "index": "Ag"}
 _TALL, _EDGE = 40.0, 64
 """Field of view, degrees; edge of the film, pixels."""

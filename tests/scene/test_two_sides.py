@@ -49,6 +49,7 @@ SHEET = {"type": "diffuse_transmitter", "reflectance": 0.5, "transmittance": 0.2
     ("front", "back"),
     [
         (SHEET, SHEET | {"reflectance": 0.25}),
+        (SHEET | {"transmittance": 0.0}, GREY),
         (
             {"type": "mask", "kernel": GREY, "opacity": 0.5},
             {"type": "mask", "kernel": {"type": "conductor", "index": "Al"}, "opacity": 0.5},

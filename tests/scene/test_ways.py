@@ -247,6 +247,9 @@ def test_parts_beyond_the_largest_are_counted() -> None:
     assert fewer.sentence.endswith(", 1 smaller area within x 100 to 102 y 0 (up to 60%)")
     assert [(each.x, each.width) for each in warning.parts] == [(20 * i, 8 - i) for i in range(8)]
     assert unmet_parts([]) is None
+    nothing_seen = unmet_parts([[0, 0, 8, 6, 1e9]])
+    assert nothing_seen is not None
+    assert "(up to any number of times the light shown there)" in nothing_seen.sentence
 
 
 @pytest.mark.parametrize(

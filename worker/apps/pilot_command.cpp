@@ -1,6 +1,7 @@
 #include "pilot_command.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 #include <memory>
 #include <sstream>
@@ -15,6 +16,12 @@
 namespace nocturne {
 namespace {
 
+/// JSON has neither infinities, as parts of a light that nothing is seen of, nor what is no number.
+double in_json(double figure) {
+  constexpr double kMost = 1e9;
+  return std::isnan(figure) ? 0.0 : std::clamp(figure, -kMost, kMost);
+}
+
 std::string figures_json(const PilotFigures& figures) {
   static constexpr const char* kNames[] = {"adjoint", "adjoint_of_both", "forward"};
   const PhotonKind& kind = figures.kind;
@@ -22,8 +29,10 @@ std::string figures_json(const PilotFigures& figures) {
   json.precision(6);
   json << "{\"photons\": \"" << kNames[kind.from] << "\", \"sharing\": " << kind.sharing
        << ", \"aimed\": " << kind.aimed << ", \"guided\": " << (kind.guided ? "true" : "false")
-       << ", \"mean\": " << figures.mean << ", \"mean_error\": " << figures.mean_error
-       << ", \"relative_mse\": " << figures.relative_mse << ", \"cost\": " << figures.cost << '}';
+       << ", \"mean\": " << in_json(figures.mean)
+       << ", \"mean_error\": " << in_json(figures.mean_error)
+       << ", \"relative_mse\": " << in_json(figures.relative_mse)
+       << ", \"cost\": " << in_json(figures.cost) << '}';
   return json.str();
 }
 
@@ -32,13 +41,10 @@ std::string parts_json(const std::vector<UnmetPart>& parts) {
   json.precision(3);
   for (const UnmetPart& each : parts) {
     json << (json.view().empty() ? "" : ", ") << '[' << each.x << ", " << each.y << ", "
-         << each.width << ", " << each.height << ", " << each.part << ']';
+         << each.width << ", " << each.height << ", " << in_json(each.part) << ']';
   }
   return json.str();
 }
-
-/// In place of an error that is not known: JSON has no infinity.
-constexpr double kUnknown = 1e9;
 
 const char* fault_name(PilotResult::Fault fault) {
   switch (fault) {
@@ -141,10 +147,10 @@ void run_pilot_command(const PilotCommand& command, v1::CompiledScene message,
        << ", \"learned_light\": \"" << (found.choice.guided ? to_hex(learned_light) : "") << '"'
        << ", \"sharing\": " << found.choice.sharing
        << ", \"forward_ratio\": " << found.choice.forward_ratio
-       << ", \"gain\": " << found.choice.gain
-       << ", \"gain_error\": " << std::min(found.choice.gain_error, kUnknown)
-       << ", \"unmet\": " << found.unmet << ", \"fault\": \"" << fault_name(found.fault)
-       << "\", \"differs_by\": " << found.differs_by << ", \"unmet_parts\": ["
+       << ", \"gain\": " << in_json(found.choice.gain)
+       << ", \"gain_error\": " << in_json(found.choice.gain_error)
+       << ", \"unmet\": " << in_json(found.unmet) << ", \"fault\": \"" << fault_name(found.fault)
+       << "\", \"differs_by\": " << in_json(found.differs_by) << ", \"unmet_parts\": ["
        << parts_json(found.unmet_parts) << ']'
        << ", \"finds_more\": " << (found.choice.finds_more ? "true" : "false")
        << ", \"photons\": " << found.photons + learned.photons

@@ -102,7 +102,7 @@ class Kernels:
             leaf = self._workspace.kernels.messages[part.kernel]
             model = leaf.WhichOneof("model")
             match model:
-                case "diffuse_transmitter":
+                case "diffuse_transmitter" if not self._is_zero(leaf.diffuse_transmitter.transmittance):
                     through = leaf.diffuse_transmitter.transmittance.SerializeToString(deterministic=True)
                 case "thin_pane" | "null_kernel":
                     through = leaf.SerializeToString(deterministic=True)
@@ -111,6 +111,9 @@ class Kernels:
             factors = sorted(each.SerializeToString(deterministic=True) for each in part.factors)
             found.append((model, through, factors))
         return sorted(found)
+
+    def _is_zero(self, colour: scene_pb2.Colour) -> bool:
+        return spectra.is_black(self._workspace.spectra.messages[colour.spectrum])
 
     def _resolved(self, kernel: str | Kernel) -> Kernel:
         if isinstance(kernel, str):

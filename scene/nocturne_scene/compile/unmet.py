@@ -15,6 +15,9 @@ _NAMED = 5
 _MANY = 10.0
 """From so many times the visible light on, no percentage is shown."""
 
+_ANY = 1e6
+"""As many times and more where next to nothing is seen."""
+
 _PARTS = 200
 """Rectangles of a warning, which goes with each event of its render; more are reported by coarser squares."""
 
@@ -128,4 +131,6 @@ def _span(first: int, length: int) -> str:
 
 def _times(part: float) -> str:
     """A part of the visible light, in words."""
+    if part > _ANY:
+        return "any number of times"
     return f"{part:.0%}" if part < _MANY else f"{part:.0f} times"
