@@ -198,6 +198,17 @@ def test_a_texture_finer_than_the_film_is_told(
     assert "has 14 of them" in warnings(document, blobs, Film(80, 80, 1))[0]
 
 
+def test_a_camera_on_a_sphere_is_told(document: dict[str, Any], blobs: BlobStore) -> None:
+    """A clear ball in even light of 1 shows 2.25 from inside and 1 from outside; from its surface 2.07."""
+    x, y, z = document["sensor"]["position"]
+    ball = {"shape": {"type": "sphere", "centre": [x, y, z + 0.25], "radius": 0.25}, "kernel": GLASS}
+    document["surfaces"].append(ball)
+    [told] = [each for each in warnings(document, blobs) if each.startswith("$.sensor.position: lies on")]
+    assert f"of $.surfaces[{len(document['surfaces']) - 1}]" in told
+    ball["shape"]["radius"] = 0.25001
+    assert not [each for each in warnings(document, blobs) if "lies on the sphere" in each]
+
+
 def test_what_moves_too_far_for_its_size_is_told(document: dict[str, Any], blobs: BlobStore) -> None:
     for distance, told in ((1e4, 0), (1e6, 1)):
         document["surfaces"].append({"shape": TETRAHEDRON, "motion": {"translate": [distance, 0, 0]}})

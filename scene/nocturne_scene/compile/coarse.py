@@ -25,6 +25,9 @@ _ROUNDING = 2.0**-24
 _DIGITS = 100.0
 """Roundings that are the least size of what moves: with fewer its shape is off by a percent."""
 
+_TOUCHING = 8.0
+"""Roundings within which two places are one."""
+
 _BENT = 0.03
 """One minus the cosine of 14 degrees, between a mesh's faces and its normals; with 0.06 a white ball of 80
 triangles in even light is 1 % too dark."""
@@ -43,6 +46,7 @@ def coarse(workspace: Workspace, shapes: Shapes) -> Iterator[str]:
         place = path(("surfaces", index))
         try:
             yield from _far_moved(workspace, shapes, surface, place)
+            yield from _touched_by_sensor(workspace, surface, place)
             yield from _doubled(workspace, shapes, surface, place, placed)
             yield from _bent(workspace, shapes, surface, place)
         except (Unusable, UnusableMeshError):
@@ -66,6 +70,24 @@ def _far_moved(workspace: Workspace, shapes: Shapes, surface: Surface, place: st
         yield (
             f"{place}.motion: moves {size:.3g} m of surface {far:.3g} m away, where single precision tells "
             f"{2 * _ROUNDING * far:.2g} m apart; keep still what does not move against the sensor"
+        )
+
+
+def _touched_by_sensor(workspace: Workspace, surface: Surface, place: str) -> Iterator[str]:
+    """A sphere that the sensor lies on: each ray starts inside or outside by the rounding of its numbers."""
+    if not isinstance(surface.shape, Sphere) or surface.motion is not None:
+        return
+    placement = placement_of(surface)
+    position, centre = (
+        np.array(workspace.document.sensor.position),
+        placement.points(np.array(surface.shape.centre)),
+    )
+    radius = surface.shape.radius * placement.scale
+    largest = max(float(np.abs([position, centre]).max()), radius)
+    if abs(float(np.linalg.norm(position - centre)) - radius) < _TOUCHING * _ROUNDING * largest:
+        yield (
+            f"$.sensor.position: lies on the sphere of {place}, so that rays start inside or outside of it "
+            f"by rounding, and light is wrong by percents; move it by {1e-4 * radius:.1g} m"
         )
 
 
