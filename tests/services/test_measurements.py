@@ -259,6 +259,14 @@ def test_a_file_is_measured_as_a_render_is(tmp_path: Path) -> None:
     assert len(table) == 3
 
 
+def test_a_picture_is_no_measurable_image(tmp_path: Path) -> None:
+    picture = tmp_path / "a.png"
+    picture.write_bytes(b"PNG")
+    found = CliRunner().invoke(app, ["measure", str(picture)])
+    assert isinstance(found.exception, NocturneClientError)
+    assert "give the EXR of the image" in str(found.exception)
+
+
 def test_the_glare_of_a_fisheye_file(tmp_path: Path) -> None:
     path = image(tmp_path, np.full((2, 64, 64, 3), 500.0))
     told = json.loads(run("glare", str(path), "--projection", "equidistant", "--json"))

@@ -124,7 +124,11 @@ def glare(
 
 def _file(target: str) -> Path | None:
     """A file by its ending, so that what is missing is told as such."""
-    return Path(target) if target.lower().endswith(".exr") else None
+    if target.lower().endswith(".exr"):
+        return Path(target)
+    if Path(target).suffix and Path(target).is_file():
+        raise NocturneClientError(f"{target} has no light in units and no errors; give the EXR of the image")
+    return None
 
 
 def _rectangle(text: str) -> Outline:
