@@ -1,7 +1,6 @@
 """One room by both renderers, at equal processor time."""
 
 import statistics
-from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -49,12 +48,11 @@ class _Chosen:
 
 
 def room(file: Path, folder: Path, size: Size, installed: Installed) -> Figures:
-    """Efficiencies of all, by budget; whether they show the same; what comes before the first sample."""
+    """Efficiencies of all by budget, the agreement of the references, and the cost of each pilot."""
     scene, (width, height) = prepared(file)
     film = FilmSize(width, height)
     imported = import_to(scene, folder / "imported", ImportOptions(allow_missing=True))
-    with ExitStack() as stack:
-        theirs = stack.enter_context(mitsuba_of(installed, scene, folder, _THREADS))
+    with mitsuba_of(installed, scene, folder, _THREADS) as theirs:
         peers: dict[str, Contender] = {name: theirs[name] for name in SAMPLERS}
         rates = {name: _rate(peer) for name, peer in peers.items()}
         chosen = _chosen(imported.document, folder, film, size)

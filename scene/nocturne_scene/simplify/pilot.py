@@ -59,7 +59,7 @@ class Pilot:
         self._program = program
         self._document = document
         self._folder, self._film, self._threads = folder, film, threads
-        self._blobs = BlobStore(folder / "blobs")
+        self._blobs = BlobStore(folder / "blobs", durable=False)
         self._compiled: dict[tuple[str, ...], scene_pb2.CompiledScene] = {}
         self._seeds = _seeds()
         self.cpu_s = 0.0

@@ -24,7 +24,7 @@ def export_to(
         make_schedule(film.width, film.height, film.samples)
         document = check_document(on_disk.document)
         with tempfile.TemporaryDirectory(prefix="nocturne-export-") as kept:
-            blobs = BlobStore(Path(kept))
+            blobs = BlobStore(Path(kept), durable=False)
             store_files(on_disk, blobs)
             return export_scene(document, blobs, folder, renderer, film, allow_missing=allow_missing)
     except InputError as error:

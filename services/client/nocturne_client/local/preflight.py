@@ -18,7 +18,7 @@ def preflight_of(request: Request, scene: SceneOnDisk, say: Say) -> Preflight:
     """Run the pilot. Raises NocturneClientError."""
     try:
         with tempfile.TemporaryDirectory(prefix="nocturne-preflight-") as folder:
-            store_files(scene, BlobStore(Path(folder) / "blobs"))
+            store_files(scene, BlobStore(Path(folder) / "blobs", durable=False))
             return run_preflight(request, scene.document, Path(folder), say)
     except InputError as error:
         problems = [Problem(each.place, each.message) for each in error.problems]
