@@ -193,15 +193,13 @@ def _metal(context: Context, properties: Properties) -> Json:
 
 
 def _note_other_table(context: Context, material: str, place: str) -> None:
-    found = indices.metal(material)
-    at = np.array([550.0])
-    n, k = float(found.n(at)[0]), float(found.k(at)[0])
-    reflected = ((n - 1) ** 2 + k**2) / ((n + 1) ** 2 + k**2)
+    [reflected] = colours.values_of(metals.colour_under(material, 1.0), np.array([550.0]))
     if abs(reflected - _METALS[material]) > _SAME_METAL:
         context.findings.note(
             place,
-            f'"{material}" has another table than in Mitsuba ({found.source}): it reflects {reflected:.1%} '
-            f"of light of 550 nm, Mitsuba's {_METALS[material]:.1%}; give eta and k for the same",
+            f'"{material}" has another table than in Mitsuba ({indices.metal(material).source}): it reflects '
+            f"{reflected:.1%} of light of 550 nm, Mitsuba's {_METALS[material]:.1%}; "
+            "give eta and k for the same",
         )
 
 
