@@ -145,7 +145,7 @@ def mitsuba(
 
 @contextmanager
 def mitsuba_of(installed: Installed, scene: Path, folder: Path, threads: int) -> Iterator[dict[str, Mitsuba]]:
-    """The same of a scene of its own, whose sampler is `$sampler`; `folder` is for images."""
+    """Starts it with a scene in its own format, whose sampler is `$sampler`; `folder` is for images."""
     script = Path(__file__).with_name("mitsuba_server.py")
     process = subprocess.Popen(
         [

@@ -1,4 +1,4 @@
-"""Rooms that people render, beside Mitsuba: public scenes of papers on path guiding.
+"""Rooms that people render, compared with Mitsuba: public scenes of papers on path guiding.
 
 The figure is the efficiency, 1 / (relMSE of Y x CPU seconds), over that of Mitsuba's path tracer with the
 better of its samplers; each renderer is judged by its own reference, so that no difference of the scene as

@@ -27,7 +27,7 @@ class Unprepared(ValueError):
 
 
 def prepared(file: Path) -> tuple[Path, tuple[int, int]]:
-    """The scene beside the original, and its film: width and height. Raises Unprepared."""
+    """A scene file next to the original one, and its film: width and height. Raises Unprepared."""
     tree = ET.parse(file)  # noqa: S314 - a file of a clone that somebody made on purpose
     root = tree.getroot()
     _write_grey(file.with_name(_GREY))

@@ -16,7 +16,8 @@
 namespace nocturne {
 namespace {
 
-/// JSON has neither infinities, as parts of a light that nothing is seen of, nor what is no number.
+/// Finite, as JSON has neither infinity nor NaN: light that may be missing, over none that is seen,
+/// is infinite.
 double in_json(double figure) {
   constexpr double kMost = 1e9;
   return std::isnan(figure) ? 0.0 : std::clamp(figure, -kMost, kMost);
