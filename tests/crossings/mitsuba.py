@@ -110,13 +110,20 @@ def _drop(surface: Document, *names: str) -> bool:
 
 
 def _plain(value: Any) -> Any:
-    """The value without features that are exported with a note on a different look, and without narrow lines,
-    which Mitsuba's evenly drawn wavelengths hit once in thousands."""
+    """The value without features that are exported with a note on a different look, without narrow lines,
+    which Mitsuba's evenly drawn wavelengths hit once in thousands, and with textures as Mitsuba reads them:
+    without a footprint, which in films of 4 x 4 pixels covers most of a picture."""
     if isinstance(value, dict):
         if "lines" in value:
             return {"constant": 1.0} | {name: each for name, each in value.items() if name != "lines"}
-        return {name: _plain(inner) for name, inner in value.items() if name not in _NOTED}
+        return {name: _sharp(name, _plain(inner)) for name, inner in value.items() if name not in _NOTED}
     return [_plain(each) for each in value] if isinstance(value, list) else value
+
+
+def _sharp(name: str, value: Any) -> Any:
+    if name == "textures":
+        return {each: picture | {"sharp": True} for each, picture in value.items()}
+    return value | {"sharp": True} if name == "texture" and isinstance(value, dict) else value
 
 
 def traced(document: Document, scene: Scene, folder: Path, samples: int, seeds: int) -> Readings:

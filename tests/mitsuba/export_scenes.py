@@ -278,6 +278,21 @@ def sky(folder: Path) -> Document:
     )
 
 
+def night(folder: Path) -> Document:
+    """Without a sky: a lamp that lets light through, seen before black, and a floor that passes most of it."""
+    del folder
+    floor = {
+        **_FLOOR,
+        "kernel": {"type": "blend", "first": _FLOOR["kernel"], "second": {"type": "null"}, "weight": 0.6},
+    }
+    lamp = {
+        "shape": {"type": "quad", "corner": [-0.5, 0.5, 0], "edge_u": [1, 0, 0], "edge_v": [0, 1, 0]},
+        "kernel": {"type": "null"},
+        "luminaire": {"radiance": {"illuminant": "D65", "luminance": 900}, "two_sided": False},
+    }
+    return {"nocturne": 1, "sensor": _PINHOLE, "surfaces": [floor, _LAMP, lamp]}
+
+
 SCENES = {
     each.__name__: each
     for each in (
@@ -294,6 +309,7 @@ SCENES = {
         bodies,
         suns,
         sky,
+        night,
     )
 }
 

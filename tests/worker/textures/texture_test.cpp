@@ -77,6 +77,17 @@ TEST_F(Textures, RepeatsOrHoldsTheEdge) {
   EXPECT_FLOAT_EQ(held.grey(-7.0f, 9.0f, 0.0f), 1.0f);
 }
 
+// A footprint that lies beyond a held edge sees nothing else, however wide it is.
+TEST_F(Textures, FootprintsBeyondAHeldEdgeSeeTheEdge) {
+  const Texture held = make(Picture::of(8, 4, numbered), TextureWrap::kClamp);
+  const float v = 1.0f - 0.5f / 4.0f;  // the top row: 1 to 8
+  for (const float width : {0.25f, 0.5f, 1.0f, 2.0f}) {
+    EXPECT_FLOAT_EQ(held.grey(1.5f + width, v, width), 8.0f) << width;
+    EXPECT_FLOAT_EQ(held.grey(-0.5f - width, v, width), 1.0f) << width;
+    EXPECT_FLOAT_EQ(held.grey(0.5f / 8.0f, 1.5f + width, width), 1.0f) << width;
+  }
+}
+
 TEST_F(Textures, CoordinatesThatAreNoNumbersAreZero) {
   const Texture texture = make(Picture::of(8, 4, numbered));
   const float nan = std::numeric_limits<float>::quiet_NaN();

@@ -45,8 +45,14 @@ struct Lookup {
   std::array<float, kChannels> at(float u, float v, float footprint) const {
     // Texels are counted from the top row down.
     const float s = wrapped(u, wrap), t = 1.0f - wrapped(v, wrap);
+    // Beyond an edge that is held, that much of both sides of a footprint sees the edge alone: a
+    // coarser level there would mix in what is farther inside.
+    const float beyond = wrap == TextureWrap::kClamp && std::isfinite(u) && std::isfinite(v)
+                             ? std::max(std::abs(u - s), std::abs(1.0f - v - t))
+                             : 0.0f;
+    const float inside = footprint - 2.0f * beyond;
     // Beyond one picture there is nothing coarser.
-    const float width = footprint > 0.0f ? std::min(footprint, 1.0f) : 0.0f;
+    const float width = inside > 0.0f ? std::min(inside, 1.0f) : 0.0f;
     // The finest level whose texels are as wide as the footprint: it, and the one before.
     const auto fits = [&](const Level& level) { return width * level.edge <= 1.0f; };
     if (fits(file.levels.front())) return interpolated<kChannels>(file.levels.front(), s, t);

@@ -55,6 +55,7 @@ def export_mitsuba(compiled: Compiled, writer: SceneWriter, film: Film) -> str:
     root.append(_sensor(context, film, around))
     add_surfaces(context, around)
     _add_environment(context)
+    _count_all_paths(context)
     return writer.file("scene.xml", write(root))
 
 
@@ -148,6 +149,21 @@ def _add_environment(context: Context) -> None:
             context.findings.lost("$.environment", "a standard sky can't be exported; use a picture of it")
         case "map":
             context.root.append(_sky(context, message.environment.map))
+
+
+def _count_all_paths(context: Context) -> None:
+    """A sky of no light where there is no other and light passes a surface straight.
+
+    A path of Mitsuba (3.9.1: `valid_ray` in src/integrators/path.cpp and volpath.cpp) that is turned by no
+    surface is black unless the scene has a sky, also where it sees a lamp on a surface of the kind `null` and
+    where next event estimation at a surface with a mask has found light before the path passed the mask.
+    """
+    emitters = {each.get("type") for each in context.root.iter("emitter")}
+    straight = {"null", "mask"} & {each.get("type") for each in context.root.iter("bsdf")}
+    if straight and not emitters & {"constant", "envmap"}:
+        found = plugin("emitter", "constant")
+        found.append(spectrum("radiance", Table.visible(0.0 * visible_wavelengths())))
+        context.root.append(found)
 
 
 def _disc(context: Context, disc: scene_pb2.DistantDisc) -> Element:
