@@ -75,6 +75,8 @@ class Admission:
         # Their merged results are kept, unless they were cancelled.
         for render_id in gone:
             state.renders[render_id].commit_photons_next()
+            if jobs := state.auditor.give_up(render_id):
+                yield Withdraw(tuple(jobs), stop=True)
         if gone and not (yield from self._commits.commit(at)):
             return False
         # A commit may have found one of them lost.
@@ -168,7 +170,7 @@ class Admission:
         jobs = state.scheduler.replan(row.id, kept, render.range_queues())
         state.failure_policy.forget(row.id)
         state.audits_end.pop(row.id, None)
-        if jobs := [*jobs, *state.auditor.forget(row.id)]:
+        if jobs := [*jobs, *state.auditor.forget(row.id, kept)]:
             yield Withdraw(tuple(jobs), stop=True)
         yield Log(INFO, f"render={row.id} goes on with {ranges_planned(row.schedule)} ranges")
 

@@ -4,7 +4,7 @@ from nocturne_coordinator.dispatch.admission import Admission
 from nocturne_coordinator.dispatch.audit import MAX_WAIT
 from nocturne_coordinator.dispatch.commits import Commits
 from nocturne_coordinator.dispatch.events import Moment
-from nocturne_coordinator.dispatch.instructions import Steps
+from nocturne_coordinator.dispatch.instructions import Steps, Withdraw
 from nocturne_coordinator.dispatch.records import RenderState
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.state import State
@@ -38,6 +38,9 @@ class Endings:
         if at.now < self._next_finish or self._state.owed or not (endings or self._state.failed):
             return
         self._next_finish = at.now + self._state.settings.commit_seconds
+        for render, *_ in endings:
+            if jobs := self._state.auditor.give_up(render.id):
+                yield Withdraw(tuple(jobs), stop=True)
         if not (yield from self._commits.commit(at)):
             return
         try:
@@ -57,8 +60,11 @@ class Endings:
         state = self._state
         if not state.auditor.pending(render.id):
             return True
+        live = state.fleet.live(render.floating_point_profile)
+        if state.auditor.only_others_could(render.id, live):
+            return True
         witnesses = 3 if state.auditor.disputed(render.id) else 2
-        if len(state.fleet.live(render.floating_point_profile)) < witnesses:
+        if len(live) < witnesses:
             return now >= state.audits_end.setdefault(render.id, now + _LONELY_SECONDS)
         return now >= state.audits_end.setdefault(render.id, now + MAX_WAIT)
 

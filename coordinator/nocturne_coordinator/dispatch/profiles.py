@@ -38,6 +38,15 @@ def machines_by_profile(workers: Iterable[WorkerRow], quarantined: Collection[st
     return Counter(floating_point_profile for floating_point_profile, _ in found)
 
 
+def unaudited(workers: Iterable[WorkerRow], quarantined: Collection[str]) -> dict[str, str]:
+    """Workers whose results no other machine can audit, as none is there that rounds alike; and that in
+    words."""
+    workers = list(workers)
+    machines = machines_by_profile(workers, quarantined)
+    why = "Nothing that it traces is audited: no other machine is there that could."
+    return {worker.id: why for worker in workers if machines[worker.floating_point_profile] == 1}
+
+
 def usual_profiles(machines: Mapping[str, int]) -> set[str]:
     """What most machines have: several, where as many have each; none where there are no machines."""
     most = max(machines.values(), default=0)

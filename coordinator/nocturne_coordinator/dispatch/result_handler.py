@@ -219,9 +219,9 @@ class ResultHandler:
         outcome.withdrawn.extend(finding.withdrawn)
         if finding.agreed:
             render.count_audited()
-        for liar in finding.liars:
+        for liar, proof in finding.liars.items():
             place = f"tile {key.tile_index}, range {key.range_index} of {render.id}"
-            reason = f"Its result differs from that of two other workers: {place}."
+            reason = f"{proof}: {place}."
             outcome.quarantined.append(Quarantine(liar, reason, lied=True))
 
     def _fail(

@@ -187,6 +187,12 @@ class RunningRender:
         self.totals.audited += 1
         self._dirty_totals = True
 
+    def count_unaudited(self, ranges: int) -> None:
+        """Ranges were to be audited, and no other machine traced them."""
+        if ranges:
+            self.totals.unaudited += ranges
+            self._dirty_totals = True
+
     def count_refused(self) -> None:
         """A result came that could not be right."""
         self.totals.refused += 1

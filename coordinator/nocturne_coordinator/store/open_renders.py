@@ -16,8 +16,8 @@ from nocturne_coordinator.store.layers import LAYERS_DUE
 from nocturne_coordinator.store.leases import Leases
 
 _COLUMNS = f"""id, state, scene_sha256, engine, schedule, photons, rays, invalid_samples, truncated_paths,
-    cpu_seconds, audited, refused, stop, priority, owner, ran_seconds, look_first, floating_point_profile,
-    layers_sha256, {LAYERS_DUE} AS layers_due,
+    cpu_seconds, audited, unaudited, refused, stop, priority, owner, ran_seconds, look_first,
+    floating_point_profile, layers_sha256, {LAYERS_DUE} AS layers_due,
     EXISTS (SELECT 1 FROM failed_tile WHERE render_id = render.id) AS has_failed_tiles,
     coalesce((SELECT weight FROM token WHERE token.name = render.owner), 100) AS owner_weight,
     coalesce((SELECT fence FROM lease WHERE lease.render_id = render.id), 0) AS fence,
@@ -113,6 +113,7 @@ class OpenRenders:
                 truncated_paths=row["truncated_paths"],
                 cpu_seconds=row["cpu_seconds"],
                 audited=row["audited"],
+                unaudited=row["unaudited"],
                 refused=row["refused"],
             ),
             stop=StopConditions.from_json(row["stop"]),

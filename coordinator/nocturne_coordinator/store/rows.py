@@ -125,6 +125,8 @@ class RenderRow:
     tiles_failed: int
     audited: int
     """Ranges that were traced again elsewhere and were the same."""
+    unaudited: int
+    """Ranges that were to be audited, and that no other machine traced."""
     refused: int
     """Results that could not be right."""
     predicted_end: float

@@ -16,6 +16,7 @@ _METERS = {
     "redis_in_step": "1 while the coordinator knows what is on the streams.",
     "folder_trouble": "1 while the coordinator can't commit.",
     "worker_threads": "Threads of workers that take jobs.",
+    "machines": "Most machines that work and round alike: with one, nothing is audited.",
     "jobs_in_flight": "Jobs published and not merged.",
     "jobs_published": "Jobs on the stream.",
     "results_waiting": "Results on the stream that are not committed.",
@@ -26,7 +27,7 @@ _COUNTS = {
     "results_refused": "Results that could not be right, since the coordinator started.",
     "audits_agreed": "Jobs traced twice with the same result, since the coordinator started.",
     "audits_differing": "Jobs traced twice with different results, since the coordinator started.",
-    "audits_given_up": "Jobs that nobody else was there to trace again, since the coordinator started.",
+    "audits_given_up": "Jobs to audit that no other machine traced, since the coordinator started.",
 }
 
 

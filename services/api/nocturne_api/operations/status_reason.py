@@ -122,7 +122,16 @@ def _running(situation: Situation, now: float) -> str:
     others = f" {_counted(kept, 'worker')} {get} no jobs; `nocturne workers` says why." if kept else ""
     beside = situation.running - 1
     shared = f"shared with {_counted(beside, 'other render')}" if beside else "alone"
-    return f"It is running on {_counted(threads, 'worker thread')}, {shared}.{others}{end}"
+    running = f"It is running on {_counted(threads, 'worker thread')}, {shared}."
+    return f"{running}{others}{end}{_unaudited(situation)}"
+
+
+def _unaudited(situation: Situation) -> str:
+    machines = machines_by_profile(situation.workers, situation.quarantined)
+    needed = situation.render.floating_point_profile
+    if (machines[needed] if needed else max(machines.values(), default=0)) > 1:
+        return ""
+    return " None of its ranges is audited: no second machine is there that could."
 
 
 def _counted(number: int, name: str) -> str:

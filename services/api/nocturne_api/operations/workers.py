@@ -1,5 +1,6 @@
 """Workers: who is there, draining them, the machines that they run on, and who uses them."""
 
+from nocturne_coordinator.dispatch.profiles import unaudited
 from nocturne_coordinator.enrolment import machine_of, redis_password, redis_user
 from nocturne_coordinator.store.usage import UsageOfOwners
 from nocturne_scene.errors import InputError
@@ -39,6 +40,7 @@ class Workers:
                 folder.workers.drained(),
             )
         )
+        alone = unaudited(rows, quarantined)
         words = {worker: "drained" if done else "draining" for worker, done in drained.items()}
         return WorkerList(
             workers=[
@@ -47,6 +49,7 @@ class Workers:
                     quarantined.get(machine_of(row.id), ""),
                     incompatible.get(row.id, ""),
                     words.get(row.id, ""),
+                    alone.get(row.id, ""),
                 )
                 for row in rows
             ]
