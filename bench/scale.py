@@ -180,7 +180,7 @@ def farm(*options: str, enrolled: bool = False) -> Iterator[Farm]:
         key = b""
         if enrolled:
             folder.tokens.create(MACHINE, ["worker"])
-            key = folder.machines.enrol(MACHINE)
+            _, key = folder.machines.enrol(MACHINE)
         try:
             night_of_renders(folder)
             while not socket.exists():

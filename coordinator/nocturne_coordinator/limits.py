@@ -80,6 +80,13 @@ MAX_AUDITS = 1000
 MAX_RAYS_PER_PHOTON = 2**20
 """No path is longer; keeps a wrong count from overflowing the sums of counts."""
 
+MAX_MACHINES_OF_TOKEN = 4096
+"""Each is a user of Redis."""
+
+DISTINCT_LIARS = 3
+"""Machines of one token that are found faulty within a day before all of its are in quarantine: who holds it
+may give them any names."""
+
 MAX_THREADS = 4096
 """Of a machine: none has more."""
 

@@ -91,6 +91,7 @@ UNDONE = {
     15: "ALTER TABLE render DROP COLUMN sensor",
     17: "DROP TABLE blob_use",
     18: "ALTER TABLE render DROP COLUMN unaudited",
+    19: "ALTER TABLE machine DROP COLUMN token",
 }
 """What takes back a migration, where there is anything to take back."""
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from nocturne.v1 import job_pb2
 
 from nocturne_coordinator.dispatch.scheduler import JobKey, Published
+from nocturne_coordinator.enrolment import token_of
 from nocturne_coordinator.limits import MAX_AUDITS
 
 SHARE = 0.02
@@ -32,6 +33,10 @@ def digest_of(partial: job_pb2.Partial) -> bytes:
     counts = (partial.photons, partial.rays, partial.invalid_samples, partial.truncated_paths)
     digest.update(" ".join(map(str, counts)).encode())
     return digest.digest()
+
+
+def _owners(machines: Iterable[str]) -> set[str]:
+    return {token_of(machine) for machine in machines}
 
 
 @dataclass(slots=True)
@@ -104,41 +109,47 @@ class Auditor:
                 self._alone.remove(key)
                 self._waiting.append(key)
 
-    def again(self, key: JobKey, worker: str, partial: job_pb2.Partial) -> Finding:
-        """A valid result of a job that was done before. Nobody confirms what it said itself."""
+    def again(self, key: JobKey, worker: str, partial: job_pb2.Partial, live: Collection[str]) -> Finding:
+        """A valid result of a job that was done before. Nobody confirms what it said itself; machines of one
+        token confirm each other where no other token's are `live`."""
         audit = self._open.get(key)
         if audit is None:
             return Finding()
         finding = Finding(withdrawn=audit.published.entries if audit.published else [])
         audit.published = None
-        digest = digest_of(partial)
-        witnesses = audit.witnesses
-        others = [seen for other, seen in witnesses.items() if other != worker]
+        digest, witnesses = digest_of(partial), audit.witnesses
+        author = next(iter(witnesses))
+        is_confirmed = False
         if witnesses.setdefault(worker, digest) != digest:
-            self._differs(audit)
             finding.liars[worker] = "It sent two different results"
-            # The author's work is thrown away, and what it did is audited when others have done it.
-            is_author = worker == next(iter(witnesses))
-            del witnesses[worker]
-            self._close(key) if is_author else self._ask_again(key, audit)
-        elif digest in others:
-            differing = [other for other, seen in witnesses.items() if seen != digest]
-            finding.liars = dict.fromkeys(differing, "Its result differs from that of two other workers")
+        else:
+            alike = [other for other, seen in witnesses.items() if seen == digest]
+            differing = [other for other in witnesses if other not in alike]
+            is_believed = len(_owners(alike)) > 1 or (len(alike) > 1 and len(_owners(witnesses)) == 1)
+            is_confirmed = is_believed and (len(_owners(alike)) > 1 or len(_owners([*alike, *live])) == 1)
+            if is_believed:
+                proof = "Its result differs from that of two other workers"
+                finding.liars = dict.fromkeys(differing, proof)
+        self._differs(audit, finding)
+        for liar in finding.liars:
+            del witnesses[liar]
+        if is_confirmed:
             finding.agreed = True
             self.agreed += 1
+        if is_confirmed or author in finding.liars:
+            # Of an author that lied all work is thrown away; who does it again may be audited.
             self._close(key)
         else:
-            if others:
-                self._differs(audit)
             self._ask_again(key, audit)
         return finding
 
-    def _differs(self, audit: _Audit) -> None:
-        self.mismatches += not audit.differs
-        audit.differs = True
+    def _differs(self, audit: _Audit, finding: Finding) -> None:
+        if not audit.differs and (finding.liars or len(set(audit.witnesses.values())) > 1):
+            audit.differs = True
+            self.mismatches += 1
 
     def _ask_again(self, key: JobKey, audit: _Audit) -> None:
-        if audit.asks < _ASKS or len(audit.witnesses) > 1:
+        if audit.asks < _ASKS or len(set(audit.witnesses.values())) > 1:
             if key not in self._waiting:
                 self._waiting.append(key)
         else:
@@ -213,7 +224,7 @@ class Auditor:
         return [
             (key, sorted(audit.witnesses))
             for key, audit in self._open.items()
-            if key.render_id == render_id and len(audit.witnesses) > 1
+            if key.render_id == render_id and len(set(audit.witnesses.values())) > 1
         ]
 
     def give_up(self, render_id: str) -> list[bytes]:
@@ -222,7 +233,7 @@ class Auditor:
         keys = [
             key
             for key, audit in self._open.items()
-            if key.render_id == render_id and len(audit.witnesses) == 1
+            if key.render_id == render_id and len(set(audit.witnesses.values())) == 1
         ]
         for _ in keys:
             self._give_up(render_id)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from nocturne.v1 import job_pb2
 from nocturne_coordinator.dispatch.profiles import machines_by_profile
 from nocturne_coordinator.dispatch.records import RenderState, WorkerRow
-from nocturne_coordinator.enrolment import machine_of
+from nocturne_coordinator.enrolment import machine_of, reason_of
 from nocturne_coordinator.limits import MAX_RUNNING, WORKER_SECONDS
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.groups import Groups
@@ -65,7 +65,8 @@ def _trouble(situation: Situation, now: float) -> str:
     if not meters.get("redis_in_step"):
         return "The coordinator can't reach Redis; its log has the reason."
     engines = {worker.engine for worker in situation.workers}
-    able = [worker for worker in situation.workers if machine_of(worker.id) not in situation.quarantined]
+    quarantined = situation.quarantined
+    able = [worker for worker in situation.workers if not reason_of(machine_of(worker.id), quarantined)]
     if not engines:
         return "No worker is there."
     if not able:
