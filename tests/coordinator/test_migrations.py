@@ -92,6 +92,7 @@ UNDONE = {
     17: "DROP TABLE blob_use",
     18: "ALTER TABLE render DROP COLUMN unaudited",
     19: "ALTER TABLE machine DROP COLUMN token",
+    20: "DROP TRIGGER work_is_counted; DROP TRIGGER end_is_counted; DROP TABLE counted",
 }
 """What takes back a migration, where there is anything to take back."""
 
@@ -99,7 +100,7 @@ UNDONE = {
 def back_to(database: sqlite3.Connection, schema: int) -> None:
     for number, statement in UNDONE.items():
         if number > schema:
-            database.execute(statement)
+            database.executescript(statement)
     database.execute(f"PRAGMA user_version = {schema}")
 
 

@@ -174,12 +174,3 @@ class RatePoint:
     unix_time: float
     threads: int
     rays_per_second: float
-
-
-@dataclass(frozen=True, slots=True)
-class MergedTotals:
-    """Merged samples of all renders, and the workers' processor time for it in seconds."""
-
-    samples: int
-    rays: int
-    cpu_seconds: float
