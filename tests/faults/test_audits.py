@@ -102,7 +102,8 @@ def test_a_faulty_node_of_a_pool_is_out_and_the_others_work_on() -> None:
     render = world.create(1000, width=160)
     world.check_survived(render)
     assert world.store.bad_workers == ["pool:n1"]
-    assert world.row(render).totals.audited > 0.9 * world.done(render)
+    # Of two nodes that are left, one in 64 ranges comes back to the one that did it six times.
+    assert world.row(render).totals.audited > 0.8 * world.done(render)
 
 
 def test_the_third_faulty_machine_of_a_token_puts_all_of_it_out() -> None:
