@@ -37,7 +37,8 @@ MAX_NEWCOMERS = 8
 """Renders beyond that, each of an owner who has none at work: nobody waits for others' renders to end."""
 
 MAX_RUNNING_SUMS = 2**28
-"""Of all running renders together, 8 bytes each: bounds memory to 2 GiB of sums, and newcomers' as much."""
+"""Numbers that the running renders of an owner who is alone may hold, 8 bytes each: 2 GiB. All owners hold
+less than twice that, as nobody may hold more than half of what the others leave."""
 
 MAX_NEXT_OF_OWNER = 2 * MAX_RUNNING
 """Queued renders of one owner that the coordinator looks at: more can't be taken up at once, and an owner may

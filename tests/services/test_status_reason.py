@@ -63,6 +63,7 @@ async def test_why_tells_the_first_thing_in_the_way(
         ),
         ({"render": running, "running": 3}, "shared with 2 other renders. It should end"),
         ({"running": 8}, "until one of 8 running renders ends"),
+        ({"render": {"width": 8192, "height": 8192}}, "only one such render runs at a time"),
         ({"running": 0}, "about to start"),
         ({"render": running}, "in 10 minutes"),
         ({"render": {**running, "tiles_done": 2}}, "audits"),

@@ -7,10 +7,11 @@ from nocturne.v1 import job_pb2
 from nocturne_coordinator.dispatch.profiles import machines_by_profile
 from nocturne_coordinator.dispatch.records import RenderState, WorkerRow
 from nocturne_coordinator.enrolment import machine_of, reason_of
-from nocturne_coordinator.limits import MAX_RUNNING, WORKER_SECONDS
+from nocturne_coordinator.limits import MAX_RUNNING, MAX_RUNNING_SUMS, WORKER_SECONDS
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.groups import Groups
 from nocturne_coordinator.store.rows import RenderRow
+from nocturne_scene.tile_sums import sums_per_pixel
 
 
 @dataclass(frozen=True)
@@ -98,6 +99,9 @@ def _queued(situation: Situation) -> str:
             f"It waits until one of {situation.running} running renders ends; then the owner with fewest at "
             "work goes first, with the highest of its priorities."
         )
+    render = situation.render
+    if situation.running and render.width * render.height * sums_per_pixel(0) > MAX_RUNNING_SUMS:
+        return "Its film is so large that only one such render runs at a time: it waits for that to end."
     if situation.running:
         return "It waits for memory that running renders use, or is about to start."
     return "It is about to start."
