@@ -53,7 +53,7 @@ class Farm:
 
     def merged_cpu_s(self) -> float:
         """Processor seconds of all ranges that are merged and committed."""
-        return self.folder.renders.totals().cpu_seconds
+        return self.folder.renders.counted()["cpu_seconds"]
 
     def waiting_cpu_s(self) -> float:
         """The same of ranges whose results wait for earlier ones."""
@@ -180,7 +180,7 @@ def farm(*options: str, enrolled: bool = False) -> Iterator[Farm]:
         key = b""
         if enrolled:
             folder.tokens.create(MACHINE, ["worker"])
-            key = folder.machines.enrol(MACHINE)
+            _, key = folder.machines.enrol(MACHINE)
         try:
             night_of_renders(folder)
             while not socket.exists():

@@ -190,6 +190,7 @@ class Coordinator:
             "redis_in_step": float(self._dispatcher.in_step),
             "folder_trouble": float(state.folder_trouble),
             "worker_threads": state.fleet.threads,
+            "machines": state.fleet.alike,
             "jobs_in_flight": state.scheduler.in_flight,
             "jobs_published": state.scheduler.outstanding,
             "results_waiting": self._dispatcher.results_waiting,

@@ -16,10 +16,23 @@ _LEASE_BYTES = 16
 SEPARATOR = "/"
 """Between a machine and the name of one of its workers."""
 
+NODE_SEPARATOR = ":"
+"""Between the name of a token and that of a machine, where several enrol with it."""
+
 
 def machine_of(worker: str) -> str:
     """Whose a worker is; a worker that did not enrol counts as a separate machine."""
     return worker.partition(SEPARATOR)[0]
+
+
+def token_of(machine: str) -> str:
+    """Whose a machine is: all that enrolled with one token have one owner, who may give them any names."""
+    return machine.partition(NODE_SEPARATOR)[0]
+
+
+def reason_of(machine: str, reasons: Mapping[str, str]) -> str:
+    """What is said there of the machine, or of its token; empty: nothing."""
+    return reasons.get(machine) or reasons.get(token_of(machine), "")
 
 
 def redis_user(machine: str) -> str:

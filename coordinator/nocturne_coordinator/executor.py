@@ -102,6 +102,8 @@ class Executor:
             case do.WriteThumbnail():
                 self._previews.write_thumbnail(self._renders[instruction.render_id])
                 return self._clock.moment()
+            case do.MakePictures():
+                return self._previews.are_ready(self._renders[instruction.render_id])
             case do.WriteImage():
                 self._previews.write_image(self._renders[instruction.render_id])
                 return self._clock.moment()

@@ -37,7 +37,8 @@ MAX_NEWCOMERS = 8
 """Renders beyond that, each of an owner who has none at work: nobody waits for others' renders to end."""
 
 MAX_RUNNING_SUMS = 2**28
-"""Of all running renders together, 8 bytes each: bounds memory to 2 GiB of sums, and newcomers' as much."""
+"""Numbers that the running renders of an owner who is alone may hold, 8 bytes each: 2 GiB. All owners hold
+less than twice that, as nobody may hold more than half of what the others leave."""
 
 MAX_NEXT_OF_OWNER = 2 * MAX_RUNNING
 """Queued renders of one owner that the coordinator looks at: more can't be taken up at once, and an owner may
@@ -79,6 +80,13 @@ MAX_AUDITS = 1000
 
 MAX_RAYS_PER_PHOTON = 2**20
 """No path is longer; keeps a wrong count from overflowing the sums of counts."""
+
+MAX_MACHINES_OF_TOKEN = 4096
+"""Each is a user of Redis."""
+
+DISTINCT_LIARS = 3
+"""Machines of one token that are found faulty within a day before all of its are in quarantine: who holds it
+may give them any names."""
 
 MAX_THREADS = 4096
 """Of a machine: none has more."""

@@ -190,6 +190,7 @@ def _run(options: argparse.Namespace, stop: threading.Event) -> None:
         queue.guard = Guard(folder.machines.lease_key(), folder.machines.keys())
     session = Session(ownership.folder, ownership.epoch, secrets.token_hex(8), options.shared)
     event_log: EventLog | None = None
+    previews: Previews | None = None
     try:
         _check_queue(queue, stop)
         _take_lease(queue, session, stop)
@@ -219,6 +220,8 @@ def _run(options: argparse.Namespace, stop: threading.Event) -> None:
     finally:
         if event_log is not None:
             event_log.close()
+        if previews is not None:
+            previews.close()
         queue.close()
         ownership.release()
         folder.close()

@@ -8,6 +8,7 @@ from nocturne.v1 import job_pb2
 from nocturne_coordinator.clock import Clock
 from nocturne_coordinator.dispatch.events import Moment
 from nocturne_coordinator.dispatch.liveness import Holder
+from nocturne_coordinator.enrolment import machine_of
 from nocturne_coordinator.errors import QueueError
 from nocturne_coordinator.queue.job_queue import SESSION_SECONDS, Entry, JobQueue, ResultEntry, Session
 
@@ -275,7 +276,8 @@ class Worker:
         )
         self._queue.statuses[self.name] = status.SerializeToString(), now + STATUS_SECONDS
         if self._job is None:
-            if self._queue.without_jobs.get(self.name, 0.0) > now:
+            names = (self.name, machine_of(self.name))
+            if any(self._queue.without_jobs.get(name, 0.0) > now for name in names):
                 return
             self._job = self._queue.take(self.name, self._lease)
             self._done_at = now + self.delay

@@ -18,7 +18,7 @@ from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.database import Database
 from nocturne_coordinator.store.leases import Leases
 from nocturne_coordinator.store.ledger import Ledger
-from nocturne_coordinator.store.open_renders import _COLUMNS, OpenRenders
+from nocturne_coordinator.store.open_renders import OpenRenders, find_render
 from nocturne_coordinator.store.ownership import Ownership
 from nocturne_coordinator.store.render_requests import RenderRequests
 from nocturne_coordinator.store.renders import Renders
@@ -60,10 +60,9 @@ class Stored:
 
     @property
     def row(self) -> OpenRender:
-        database = self._store.database
-        row = database.row(f"SELECT {_COLUMNS} FROM render WHERE id = ?", (self._id,))  # noqa: S608
+        row = find_render(self._store.database, self._id)
         assert row is not None
-        return OpenRenders(database, self._leases)._open_render(row)
+        return row
 
     @property
     def tiles(self) -> dict[int, TileRow]:

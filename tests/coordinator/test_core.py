@@ -22,6 +22,7 @@ from nocturne_coordinator.dispatch.range_queue import RangeState
 from nocturne_coordinator.dispatch.records import OpenRender, RenderState, TileRow, Totals
 from nocturne_coordinator.dispatch.scheduler import JobKey
 from nocturne_coordinator.dispatch.state import Settings
+from nocturne_coordinator.dispatch.stopping import StopConditions
 from nocturne_coordinator.dispatch.validation import InvalidState
 from nocturne_coordinator.errors import FolderTrouble, LeaseLost, QueueError
 from nocturne_scene.ranges import make_schedule
@@ -49,6 +50,7 @@ class Shell:
             do.ReadTiles: lambda _: [],
             do.IsOpen: lambda _: False,
             do.EndRender: lambda _: True,
+            do.MakePictures: lambda _: True,
             do.Quarantine: lambda _: [],
             do.Publish: lambda asked: [self.entry() for _ in asked.jobs],
             do.Commit: lambda _: CommitDone(self.now, ()),
@@ -114,6 +116,27 @@ def test_a_render_from_its_first_job_to_its_end() -> None:
         "LetGo",
     ]
     assert shell.core.state.renders == {}
+
+
+def test_a_render_that_waits_for_its_pictures_keeps_nobody_and_gets_no_jobs() -> None:
+    shell = Shell((row("large", 2000, stop=StopConditions(wall_seconds=0.3)), row("small", 4)))
+    shell.take_up()
+    shell.tell(StreamIsReady(at(0.1)))
+    shell.answers[do.MakePictures] = lambda asked: asked.render_id != "large"
+    shell.result("large", 0.2)
+    for tile in range(2):
+        shell.result("small", 0.2, tile)
+
+    def ended(now: float) -> list[str]:
+        return [each.render.id for each in shell.tell(Tick(at(now))) if isinstance(each, do.EndRender)]
+
+    assert ended(0.5) == ["small"]
+    shell.result("large", 0.6, tile=1)
+    assert shell.tell(StreamIsReady(at(0.7))) == []
+    assert ended(0.8) == []
+    shell.answers[do.MakePictures] = lambda _: True
+    # It is asked for once in a commit's time.
+    assert (ended(0.9), ended(1.1)) == ([], ["large"])
 
 
 def test_a_render_does_not_end_before_its_layers_are_made() -> None:

@@ -87,10 +87,25 @@ def test_an_older_one_gets_what_is_missing_and_keeps_its_rows(
     assert old.execute("SELECT colour, sequence FROM render").fetchall() == [("blue", 2)]
 
 
+UNDONE = {
+    15: "ALTER TABLE render DROP COLUMN sensor",
+    17: "DROP TABLE blob_use",
+    18: "ALTER TABLE render DROP COLUMN unaudited",
+    19: "ALTER TABLE machine DROP COLUMN token",
+    20: "DROP TRIGGER work_is_counted; DROP TRIGGER end_is_counted; DROP TABLE counted",
+}
+"""What takes back a migration, where there is anything to take back."""
+
+
+def back_to(database: sqlite3.Connection, schema: int) -> None:
+    for number, statement in UNDONE.items():
+        if number > schema:
+            database.executescript(statement)
+    database.execute(f"PRAGMA user_version = {schema}")
+
+
 def test_the_sensors_of_older_renders_are_known(old: sqlite3.Connection) -> None:
-    old.execute("ALTER TABLE render DROP COLUMN sensor")
-    old.execute("DROP TABLE blob_use")
-    old.execute("PRAGMA user_version = 14")
+    back_to(old, 14)
     columns = [row[1] for row in old.execute("PRAGMA table_info(render)")]
     others = ", ".join(
         name for name in columns if name not in ("number", "id", "request_id", "scene_document")
@@ -106,8 +121,7 @@ def test_the_sensors_of_older_renders_are_known(old: sqlite3.Connection) -> None
 
 
 def test_the_warnings_of_older_renders_get_a_kind(old: sqlite3.Connection) -> None:
-    old.execute("DROP TABLE blob_use")
-    old.execute("PRAGMA user_version = 15")
+    back_to(old, 15)
     before = ['$.surfaces[2].shape: is "open"', "It has no layers: nocturne-trace failed"]
     old.execute("UPDATE render SET warnings = ?", (json.dumps(before),))
     upgrade(old, MIGRATIONS)
@@ -120,8 +134,7 @@ def test_the_warnings_of_older_renders_get_a_kind(old: sqlite3.Connection) -> No
 
 def test_it_is_unknown_what_older_renders_use(old: sqlite3.Connection) -> None:
     """An empty digest stands for files that nobody noted: none is removed then."""
-    old.execute("DROP TABLE blob_use")
-    old.execute("PRAGMA user_version = 16")
+    back_to(old, 16)
     upgrade(old, MIGRATIONS)
     assert old.execute("SELECT * FROM blob_use").fetchall() == [("r-old", "")]
 

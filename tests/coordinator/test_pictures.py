@@ -2,6 +2,7 @@
 
 import errno
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -77,9 +78,102 @@ def test_a_picture_that_takes_long_looks_neither_like_hanging_nor_like_a_lost_le
         left.extend([until() - time.time(), alive.stat().st_mtime - time.time()])
         path.write_bytes(b"")
 
-    monkeypatch.setattr("nocturne_coordinator.output.previews.write_image", meanwhile)
+    monkeypatch.setattr("nocturne_coordinator.output.pictures.write_image", meanwhile)
     Previews(folder, ledger, SignOfLife(alive)).write_image(render)
     assert min(left) > seconds - 60.0
     # The next sign of life ends that.
     ledger.leases.renew(time.time())
     assert until() < time.time() + 2 * ownership.lease_seconds
+
+
+# --- by processes ---
+
+
+def _until(true: Callable[[], bool]) -> None:
+    until = time.monotonic() + 60.0
+    while not true():
+        assert time.monotonic() < until
+        time.sleep(0.05)
+
+
+@pytest.fixture
+def apart(monkeypatch: pytest.MonkeyPatch) -> None:
+    """All films count as large."""
+    monkeypatch.setattr("nocturne_coordinator.output.previews.APART_PIXELS", 0)
+
+
+def test_a_process_writes_the_same_files(folder: DataFolder, monkeypatch: pytest.MonkeyPatch) -> None:
+    ledger = Ledger(folder.database, Ownership(folder.root, folder.database))
+    pictures, render = Previews(folder, ledger), _running(folder, ledger, 1)
+    places = [folder.image_path(render.id), folder.preview_path(render.id), folder.thumbnail_path(render.id)]
+
+    def written() -> list[bytes]:
+        pictures.write_image(render)
+        pictures.write_preview(render, final=True)
+        pictures.write_thumbnail(render)
+        return [place.read_bytes() for place in places]
+
+    here = written()
+    monkeypatch.setattr("nocturne_coordinator.output.previews.APART_PIXELS", 0)
+    began = time.monotonic()
+    assert not pictures.are_ready(render)
+    assert time.monotonic() - began < 1.0
+    _until(lambda: pictures.are_ready(render))
+    for place in places:
+        place.unlink()
+    assert written() == here
+    assert sorted(places[0].parent.iterdir()) == sorted(places)
+
+
+def test_one_whose_pictures_fail_keeps_nobody_elses(
+    folder: DataFolder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Nor is it tried again at each look."""
+    ledger = Ledger(folder.database, Ownership(folder.root, folder.database))
+    pictures = Previews(folder, ledger)
+    bad, good = (_running(folder, ledger, number) for number in (1, 2))
+    tries: list[str] = []
+    write = Previews.write_image
+
+    def fails(self: Previews, render: RunningRender) -> None:
+        tries.append(render.id)
+        if render.id == bad.id:
+            raise OSError(errno.ENOSPC, "no space left")
+        write(self, render)
+
+    monkeypatch.setattr(Previews, "write_image", fails)
+    for render in (bad, good):
+        folder.requests.cancel(render.id)
+    for _ in range(5):
+        pictures.finish_ended(time.time())
+    assert [folder.renders.get(each.id).image_final for each in (bad, good)] == [False, True]
+    assert tries == [bad.id, good.id]
+
+
+@pytest.mark.usefixtures("apart")
+def test_a_process_that_fails_is_tried_again_and_others_go_on(
+    folder: DataFolder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """As where memory is short: of one owner one at a time, and of others beside."""
+    monkeypatch.setattr("nocturne_coordinator.output.pictures._SHORTEST_PAUSE", 0.1)
+    ledger = Ledger(folder.database, Ownership(folder.root, folder.database))
+    pictures = Previews(folder, ledger)
+    renders = [_running(folder, ledger, number) for number in (1, 2, 3)]
+    folder.database.execute("UPDATE render SET owner = 'bob' WHERE id = ?", (renders[2].id,))
+    for render in renders:
+        folder.requests.cancel(render.id)
+    pictures.finish_ended(time.time())
+    running = pictures._processes._running
+    assert {owner: each.render_id for owner, each in running.items()} == {
+        "": renders[0].id,
+        "bob": renders[2].id,
+    }
+    running[""].process.kill()
+
+    def are_final() -> bool:
+        pictures.finish_ended(time.time())
+        return all(folder.renders.get(render.id).image_final for render in renders)
+
+    _until(are_final)
+    assert all(folder.image_path(render.id).exists() for render in renders)
+    assert not running

@@ -14,6 +14,7 @@ from nocturne_coordinator.dispatch.profiles import (
     refusal_of,
     should_start_anew,
     usual_profiles,
+    votes_by_profile,
 )
 from nocturne_coordinator.dispatch.range_queue import RangeQueue
 from nocturne_coordinator.dispatch.records import UNKNOWN_CLASS, OpenRender, RenderState, Totals, WorkerRow
@@ -46,11 +47,19 @@ def test_what_is_no_digest_is_one_class(told: str) -> None:
 def test_machines_count_not_workers_or_threads() -> None:
     workers = [worker("1/a", A), worker("2", A), worker("3", B, 3), worker("4", A, 9, ENGINE - 1)]
     workers += [worker("3/b", B, 4096), worker("3/c", B)]
-    assert machines_by_profile(workers, ()) == {A: 2, B: 1}
-    assert usual_profiles(machines_by_profile(workers, ())) == {A}
-    assert usual_profiles(machines_by_profile(workers, {"1", "2"})) == {B}
+    assert machines_by_profile(workers, {}) == {A: 2, B: 1}
+    assert usual_profiles(machines_by_profile(workers, {})) == {A}
+    assert usual_profiles(machines_by_profile(workers, {"1": "It lied.", "2": "It lied."})) == {B}
     assert usual_profiles({B: 2, A: 2, UNKNOWN_CLASS: 1}) == {A, B}
     assert usual_profiles({}) == set()
+
+
+def test_a_token_votes_once_where_there_are_others() -> None:
+    pods = [worker("pool:n1/a", A), worker("pool:n2/a", A), worker("pool:n3/a", B)]
+    assert votes_by_profile(pods, {}) == {A: 2, B: 1}
+    many = [*pods, worker("liar:x/a", B), worker("liar:y/a", B), worker("liar:z/a", B)]
+    assert votes_by_profile(many, {}) == {A: 1, B: 2}
+    assert machines_by_profile(many, {"liar": "It lied."}) == {A: 2, B: 1}
 
 
 def test_a_result_must_have_its_renders_class() -> None:
@@ -77,12 +86,12 @@ def test_only_a_short_start_is_made_anew() -> None:
 def test_workers_are_told_why_they_get_no_jobs() -> None:
     workers = [worker("a", A), worker("c", A), worker("b", B), worker("old", A, 1, ENGINE - 1)]
     old = f"It has engine {ENGINE - 1}, and the service engine {ENGINE}."
-    assert incompatible(workers, (), ()) == {"old": old}
-    assert incompatible(workers, (), {""}).keys() == {"b", "old"}
-    assert incompatible(workers, (), {A, B}).keys() == {"old"}
-    assert incompatible(workers, (), {B, ""}).keys() == {"old"}
+    assert incompatible(workers, {}, ()) == {"old": old}
+    assert incompatible(workers, {}, {""}).keys() == {"b", "old"}
+    assert incompatible(workers, {}, {A, B}).keys() == {"old"}
+    assert incompatible(workers, {}, {B, ""}).keys() == {"old"}
     other = f"It rounds otherwise: floating-point profile {A}; the open renders have {B}."
-    assert incompatible(workers, {"a", "c"}, {""}) == {
+    assert incompatible(workers, {"a": "It lied.", "c": "It lied."}, {""}) == {
         "a": other,
         "c": other,
         "old": old,

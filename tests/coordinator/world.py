@@ -91,9 +91,11 @@ class World:
         lease: float = 1.0,
         dies: Callable[[job_pb2.JobResult], bool] = lambda _: False,
         profile: str = "",
+        machine: str = "",
     ) -> Worker:
         self._names += 1
-        return Worker(f"w{self._names}", self.queue, self.clock, alter, delay, lease, dies, profile)
+        name = f"{machine}/w{self._names}" if machine else f"w{self._names}"
+        return Worker(name, self.queue, self.clock, alter, delay, lease, dies, profile)
 
     @property
     def workers(self) -> list[Worker]:

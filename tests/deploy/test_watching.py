@@ -43,7 +43,7 @@ def test_metrics_that_are_shown_or_watched_are_there(tmp_path: Path) -> None:
     watched = {name for group in alerts["groups"] for rule in group["rules"] for name in _named(rule["expr"])}
     scaled = yaml.safe_load((KUBERNETES / "overlays" / "autoscaled" / "scaled-object.yaml").read_text())
     scales = {name for trigger in scaled["spec"]["triggers"] for name in _named(trigger["metadata"]["query"])}
-    assert scales == {"nocturne_backlog_ranges"}
+    assert scales == {"nocturne_open_cpu_seconds"}
     assert shown
     assert watched
     assert (shown | watched | scales) - there == set()

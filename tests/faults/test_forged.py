@@ -1,4 +1,4 @@
-"""Redis with users, machines that enrolled, and one of them that is not honest: rows P3 to P5."""
+"""Redis with users, machines that enrolled, and one of them that is not honest: rows P3 to P5, P15."""
 
 import os
 import subprocess
@@ -44,10 +44,11 @@ class GuardedRedis(RedisServer):
 class Farm(Service):
     """A service whose machines enrol."""
 
-    def enrol(self, name: str) -> Machine:
-        """Makes its token, and waits until Redis knows it."""
-        self.folder.tokens.create(name, ["worker"])
-        machine = Machine(name, self.folder.machines.enrol(name))
+    def enrol(self, name: str, node: str = "") -> Machine:
+        """Makes its token, if there is none, and waits until Redis knows it."""
+        if all(token.name != name for token in self.folder.tokens.list()):
+            self.folder.tokens.create(name, ["worker"])
+        machine = Machine(*self.folder.machines.enrol(name, node))
         wait_until(lambda: _answers(machine, self.server.url))
         return machine
 
@@ -267,6 +268,20 @@ def test_a_status_in_a_name_that_is_not_its_keys(farm: Farm) -> None:
     assert {row.engine for row in farm.folder.workers.alive() if row.id == honest.name} <= {
         int(job_pb2.ENGINE_CURRENT)
     }
+
+
+def test_pods_of_one_token_audit_each_other(farm: Farm) -> None:
+    """P15: each node is a machine."""
+    for node in ("node-1", "node-2"):
+        machine = farm.enrol("pool", node)
+        farm.work(SimulatedWorker(farm.server.url, delay=SOME_DELAY, machine=machine))
+    wait_until(lambda: len(farm.folder.workers.alive()) == 2)
+    render = farm.create(samples=200)
+    check_survived(farm, render.id)
+    assert farm.row(render.id).audited > 0
+    # Revoked, all of them are out.
+    farm.folder.tokens.revoke("pool")
+    wait_until(lambda: not _answers(machine, farm.server.url))
 
 
 def test_a_machine_is_revoked_while_it_runs(farm: Farm) -> None:

@@ -74,6 +74,41 @@ def test_who_has_none_at_work_does_not_wait_for_others() -> None:
     assert "hog" in running(world)
 
 
+NUMBERS = 34 * 3 * 9
+"""That the sums of a small film hold."""
+
+
+def test_a_film_as_large_as_all_memory_leaves_room_for_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    """P16: others start at once; a second one that is too large waits for the first."""
+    monkeypatch.setattr(limits, "MAX_RUNNING_SUMS", 4 * NUMBERS)
+    world = World()
+    large, too = (world.create(10**6, width=340, height=10) for _ in range(2))
+    world.store.change(large, owner="alice")
+    world.store.change(too, owner="carol")
+    world.start()
+    world.run_until(lambda: running(world) == ["alice"])
+    world.worker()
+    others = [create(world, owner) for owner in ("alice", "bob", "carol")]
+    world.run_until(lambda: all(world.row(each).state is RenderState.SUCCEEDED for each in others))
+    assert (world.row(large).state, world.row(too).state) == (RenderState.RUNNING, RenderState.QUEUED)
+    world.store.requests.cancel(large)
+    world.run_until(lambda: running(world) == ["carol"])
+
+
+def test_nobody_holds_more_than_half_of_what_others_leave(monkeypatch: pytest.MonkeyPatch) -> None:
+    """P16: 4 of 8 films' memory, then 2, then 1, and all have one at work; then the next owner waits."""
+    monkeypatch.setattr(limits, "MAX_RUNNING_SUMS", 4 * NUMBERS)
+    world = World()
+    owners = ("alice", "bob", "carol")
+    for owner in owners:
+        for _ in range(6):
+            create(world, owner, samples=10**6)
+        if not world.coordinators:
+            world.start()
+        world.run(2.0)
+    assert running(world) == ["alice"] * 4 + ["bob"] * 2 + ["carol"]
+
+
 def test_newcomers_are_bounded_too() -> None:
     """P7: however many owners there are, only so many renders are at work."""
     world = World()

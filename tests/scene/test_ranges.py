@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from nocturne.v1 import scene_pb2
-from nocturne_coordinator.output.previews import schedule_json
+from nocturne_coordinator.output.pictures import schedule_json
 from nocturne_scene import limits
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.errors import InputError

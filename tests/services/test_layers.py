@@ -13,7 +13,7 @@ from nocturne_api.background.layers_maker import LayersMaker
 from nocturne_api.background.space import Space
 from nocturne_api.compiling.pool import WARM_SCENE, CompileLimits, layers_in_child
 from nocturne_api.files.current_image import write_current
-from nocturne_coordinator.output.previews import layers_of
+from nocturne_coordinator.output.pictures import layers_of
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.layers import LayersDue
 from nocturne_coordinator.store.removal import delete_render, sweep, sweep_unused

@@ -111,6 +111,7 @@ async def test_workers(rest: httpx.AsyncClient, folder: DataFolder) -> None:
         "started": 1.0,
         "quarantine": "",
         "drain": "",
+        "unaudited": "",
         "floating_point_profile": "a1",
         "incompatible": f"It has engine 1, and the service engine {int(job_pb2.ENGINE_CURRENT)}.",
     }

@@ -25,6 +25,7 @@ using nocturne::LogLevel;
 struct Arguments {
   std::string redis;
   std::string id;
+  std::string node;
   unsigned threads = std::max(1U, std::thread::hardware_concurrency());
   unsigned lease_ms = 10000;
   unsigned grace_seconds = 1;
@@ -35,18 +36,35 @@ struct Arguments {
   nocturne::AssetCacheOptions cache;
 };
 
-std::string default_id() {
-  char host[256] = {};
-  gethostname(host, sizeof host - 1);
-  return std::string(host) + "-" + std::to_string(getpid());
+bool is_in_names(char c) {
+  return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '.' ||
+         c == '_' || c == '-';
 }
 
-std::string check_id(const std::string& id) {
-  const bool good = !id.empty() && id.size() <= 100 && std::ranges::all_of(id, [](char c) {
-    return (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '.' ||
-           c == '_' || c == '-';
-  });
-  return good ? "" : "expected 1 ... 100 letters, digits, '.', '_' or '-'";
+std::string host_name() {
+  char host[256] = {};
+  gethostname(host, sizeof host - 1);
+  return host;
+}
+
+std::string default_id() { return host_name() + "-" + std::to_string(getpid()); }
+
+constexpr std::size_t kMaxNode = 64;
+
+/// Of long names in clouds the ends differ.
+std::string default_node() {
+  const std::string host = host_name();
+  std::string node = host.substr(host.size() - std::min(host.size(), kMaxNode));
+  std::ranges::replace_if(
+      node, [](char c) { return !is_in_names(c); }, '-');
+  return node;
+}
+
+std::string check_name(const std::string& name, std::size_t longest) {
+  const bool good =
+      !name.empty() && name.size() <= longest && std::ranges::all_of(name, is_in_names);
+  return good ? ""
+              : "expected 1 ... " + std::to_string(longest) + " letters, digits, '.', '_' or '-'";
 }
 
 void add_options(CLI::App& app, Arguments& arguments) {
@@ -74,7 +92,13 @@ void add_options(CLI::App& app, Arguments& arguments) {
       ->check(CLI::Range(500, 600000))
       ->capture_default_str();
   app.add_option("--id", arguments.id, "name of this worker, unique; default: host and process")
-      ->check(check_id);
+      ->check([](const std::string& id) { return check_name(id, 100); });
+  app.add_option(
+         "--node", arguments.node,
+         "what it runs on: below its token, all that enrol by one name are one machine, and "
+         "machines audit each other; default: the host's name")
+      ->envname("NOCTURNE_NODE")
+      ->check([](const std::string& node) { return check_name(node, kMaxNode); });
   app.add_option("--alive", arguments.alive,
                  "a file whose time is set every two seconds while Redis hears this worker: for "
                  "probes");
@@ -136,7 +160,7 @@ void pause_unless_signalled(std::chrono::milliseconds duration) {
 void enrol(const Arguments& arguments, nocturne::WorkerOptions& options) {
   const nocturne::Enrolment given = nocturne::enrol(
       arguments.cache.service, nocturne::authorities_in(arguments.cache.authorities),
-      pause_unless_signalled);
+      arguments.node.empty() ? default_node() : arguments.node, pause_unless_signalled);
   options.redis.user = given.redis_user;
   options.redis.password = given.redis_password;
   options.identity = {given.machine, given.key};

@@ -75,6 +75,8 @@ class Admission:
         # Their merged results are kept, unless they were cancelled.
         for render_id in gone:
             state.renders[render_id].commit_photons_next()
+            if jobs := state.auditor.give_up(render_id):
+                yield Withdraw(tuple(jobs), stop=True)
         if gone and not (yield from self._commits.commit(at)):
             return False
         # A commit may have found one of them lost.
@@ -168,7 +170,7 @@ class Admission:
         jobs = state.scheduler.replan(row.id, kept, render.range_queues())
         state.failure_policy.forget(row.id)
         state.audits_end.pop(row.id, None)
-        if jobs := [*jobs, *state.auditor.forget(row.id)]:
+        if jobs := [*jobs, *state.auditor.forget(row.id, kept)]:
             yield Withdraw(tuple(jobs), stop=True)
         yield Log(INFO, f"render={row.id} goes on with {ranges_planned(row.schedule)} ranges")
 
@@ -270,17 +272,24 @@ class Admission:
     def _has_room(self, row: OpenRender, newcomer: bool) -> bool:
         """Whether there is room for one more; `newcomer`: its owner has none at work."""
         renders = self._state.renders
-        if not renders:
-            return True
-        most, most_sums = limits.MAX_RUNNING, limits.MAX_RUNNING_SUMS
-        if newcomer:
-            most, most_sums = most + limits.MAX_NEWCOMERS, 2 * most_sums
-        if len(renders) >= most:
+        if len(renders) >= limits.MAX_RUNNING + (limits.MAX_NEWCOMERS if newcomer else 0):
             return False
-        held = sum(render.film.numbers_held for render in renders.values())
-        per_pixel = sums_per_pixel(len(row.schedule.further_responses))
-        wanted = row.schedule.width * row.schedule.height * per_pixel
-        return held + wanted <= most_sums
+        wanted = _numbers_of(row)
+        if wanted > limits.MAX_RUNNING_SUMS:
+            # One at a time, which takes nothing of the others' room.
+            return all(_numbers_of(render.row) <= limits.MAX_RUNNING_SUMS for render in renders.values())
+        held: Counter[str] = Counter()
+        for render in renders.values():
+            if _numbers_of(render.row) <= limits.MAX_RUNNING_SUMS:
+                held[render.row.owner] += render.film.numbers_held
+        free_for_owner = 2 * limits.MAX_RUNNING_SUMS - (held.total() - held[row.owner])
+        return held[row.owner] + wanted <= free_for_owner / 2
+
+
+def _numbers_of(row: OpenRender) -> int:
+    """That a render's sums have when it is taken up; forward photons beside adjoint ones add some."""
+    per_pixel = sums_per_pixel(len(row.schedule.further_responses))
+    return row.schedule.width * row.schedule.height * per_pixel
 
 
 def _longest(ends: Iterable[int]) -> int:

@@ -1,17 +1,18 @@
 """Traces a share of the jobs once more, elsewhere. Pure.
 
 Results are bit-exact, so two that differ prove that one worker is faulty or lies. Which one, a third one
-tells: who agrees with another is right.
+tells: who agrees with another is right. Two results of one worker that differ prove it at once.
 """
 
 import hashlib
 from collections import Counter
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, field
 
 from nocturne.v1 import job_pb2
 
 from nocturne_coordinator.dispatch.scheduler import JobKey, Published
+from nocturne_coordinator.enrolment import token_of
 from nocturne_coordinator.limits import MAX_AUDITS
 
 SHARE = 0.02
@@ -34,10 +35,15 @@ def digest_of(partial: job_pb2.Partial) -> bytes:
     return digest.digest()
 
 
+def _owners(machines: Iterable[str]) -> set[str]:
+    return {token_of(machine) for machine in machines}
+
+
 @dataclass(slots=True)
 class _Audit:
     witnesses: dict[str, bytes]
-    """Digest by worker."""
+    """First digest by worker; the first worker is the author of what is merged."""
+    differs: bool = False
     asks: int = 0
     published: Published | None = None
 
@@ -47,7 +53,8 @@ class Finding:
     """What a result that came again showed."""
 
     agreed: bool = False
-    liars: list[str] = field(default_factory=list)
+    liars: dict[str, str] = field(default_factory=dict)
+    """Workers that are proven faulty, and by what."""
     withdrawn: list[bytes] = field(default_factory=list)
     """Job entries that are not needed any more."""
 
@@ -61,9 +68,14 @@ class Auditor:
         self._results: Counter[str] = Counter()
         self._open: dict[JobKey, _Audit] = {}
         self._waiting: list[JobKey] = []
+        """To be published."""
+        self._alone: set[JobKey] = set()
+        """To be published as soon as anybody else works than who did them."""
         self.agreed = 0
         self.mismatches = 0
         self.given_up = 0
+        self.unsettled: Counter[str] = Counter()
+        """By render, the audits that were given up and are not counted in its totals yet."""
 
     def accepted(
         self,
@@ -73,48 +85,80 @@ class Auditor:
         live: Callable[[], Collection[str]],
         draw: float,
     ) -> None:
-        """A result was taken; perhaps it is to be audited. Nobody is audited while nobody else works.
+        """A result was taken; perhaps it is to be audited, later where nobody else works by now.
 
         `draw`: at random in [0, 1), not to be foreseen by a worker that lies only where nobody looks.
         """
         self._results[worker] += 1
         share = self._new_share if self._results[worker] <= NEW_RESULTS else self._share
-        if draw >= share or len(self._open) >= MAX_AUDITS:
+        if draw >= share:
             return
-        others = live()
-        if len(others) - (worker in others) < 1:
+        if len(self._open) >= MAX_AUDITS:
+            self._give_up(key.render_id)
             return
         self._open[key] = _Audit({worker: digest_of(partial)})
-        self._waiting.append(key)
+        if any(other != worker for other in live()):
+            self._waiting.append(key)
+        else:
+            self._alone.add(key)
 
-    def again(self, key: JobKey, worker: str, partial: job_pb2.Partial) -> Finding:
-        """A valid result of a job that was done before."""
+    def look(self, live: Callable[[str], Collection[str]]) -> None:
+        """Who works may have changed; `live`: by render, who could trace its jobs."""
+        for key in list(self._alone):
+            if any(worker not in self._open[key].witnesses for worker in live(key.render_id)):
+                self._alone.remove(key)
+                self._waiting.append(key)
+
+    def again(self, key: JobKey, worker: str, partial: job_pb2.Partial, live: Collection[str]) -> Finding:
+        """A valid result of a job that was done before. Nobody confirms what it said itself; machines of one
+        token confirm each other where no other token's are `live`."""
         audit = self._open.get(key)
         if audit is None:
             return Finding()
         finding = Finding(withdrawn=audit.published.entries if audit.published else [])
         audit.published = None
-        digest = digest_of(partial)
-        others = {other: seen for other, seen in audit.witnesses.items() if other != worker}
-        audit.witnesses[worker] = digest
-        if digest in others.values():
-            finding.liars = [other for other, seen in audit.witnesses.items() if seen != digest]
+        digest, witnesses = digest_of(partial), audit.witnesses
+        author = next(iter(witnesses))
+        is_confirmed = False
+        if witnesses.setdefault(worker, digest) != digest:
+            finding.liars[worker] = "It sent two different results"
+        else:
+            alike = [other for other, seen in witnesses.items() if seen == digest]
+            differing = [other for other in witnesses if other not in alike]
+            is_believed = len(_owners(alike)) > 1 or (len(alike) > 1 and len(_owners(witnesses)) == 1)
+            is_confirmed = is_believed and (len(_owners(alike)) > 1 or len(_owners([*alike, *live])) == 1)
+            if is_believed:
+                proof = "Its result differs from that of two other workers"
+                finding.liars = dict.fromkeys(differing, proof)
+        self._differs(audit, finding)
+        for liar in finding.liars:
+            del witnesses[liar]
+        if is_confirmed:
             finding.agreed = True
             self.agreed += 1
+        if is_confirmed or author in finding.liars:
+            # Of an author that lied all work is thrown away; who does it again may be audited.
             self._close(key)
         else:
-            if others:
-                self.mismatches += len(audit.witnesses) == 2
             self._ask_again(key, audit)
         return finding
 
+    def _differs(self, audit: _Audit, finding: Finding) -> None:
+        if not audit.differs and (finding.liars or len(set(audit.witnesses.values())) > 1):
+            audit.differs = True
+            self.mismatches += 1
+
     def _ask_again(self, key: JobKey, audit: _Audit) -> None:
-        if audit.asks < _ASKS or len(audit.witnesses) > 1:
+        if audit.asks < _ASKS or len(set(audit.witnesses.values())) > 1:
             if key not in self._waiting:
                 self._waiting.append(key)
         else:
-            self.given_up += 1
+            self._give_up(key.render_id)
             self._close(key)
+
+    def _give_up(self, render_id: str) -> None:
+        self.given_up += 1
+        self.unsettled[render_id] += 1
 
     def take(self, count: int) -> list[JobKey]:
         """Up to `count` jobs to publish; `published` must follow, or `returned`."""
@@ -162,22 +206,54 @@ class Auditor:
     def is_open(self, key: JobKey) -> bool:
         return key in self._open
 
-    def pending(self, render_id: str) -> int:
-        """Audits of a render that are not settled."""
-        return sum(key.render_id == render_id for key in self._open)
+    def pending(self, render_id: str) -> bool:
+        """Whether an audit of a render is not settled."""
+        return any(key.render_id == render_id for key in self._open)
+
+    def only_others_could(self, render_id: str, live: Collection[str]) -> bool:
+        """Whether all open audits of a render wait for somebody to come: who did the work is there, and
+        nobody else ever was."""
+        return all(
+            key in self._alone and not audit.witnesses.keys().isdisjoint(live)
+            for key, audit in self._open.items()
+            if key.render_id == render_id
+        )
 
     def disputed(self, render_id: str) -> list[tuple[JobKey, list[str]]]:
         """Jobs of which two workers say different things and no third has spoken."""
         return [
             (key, sorted(audit.witnesses))
             for key, audit in self._open.items()
-            if key.render_id == render_id and len(audit.witnesses) > 1
+            if key.render_id == render_id and len(set(audit.witnesses.values())) > 1
         ]
 
-    def forget(self, render_id: str) -> list[bytes]:
-        """The render is not worked on any more; gives entries to delete."""
+    def give_up(self, render_id: str) -> list[bytes]:
+        """The render ends, or is let go: what nobody settled is counted, but for what is disputed. Gives
+        entries to delete."""
+        keys = [
+            key
+            for key, audit in self._open.items()
+            if key.render_id == render_id and len(set(audit.witnesses.values())) == 1
+        ]
+        for _ in keys:
+            self._give_up(render_id)
+        return self._drop(keys)
+
+    def forget(self, render_id: str, kept: Sequence[int] | None = None) -> list[bytes]:
+        """The render is not worked on any more, or only by the `kept` first ranges of each queue; gives
+        entries to delete."""
+        keys = [
+            key
+            for key in self._open
+            if key.render_id == render_id and (kept is None or key.range_index >= kept[key.tile_index])
+        ]
+        if kept is None:
+            self.unsettled.pop(render_id, None)
+        return self._drop(keys)
+
+    def _drop(self, keys: Iterable[JobKey]) -> list[bytes]:
         entries = []
-        for key in [key for key in self._open if key.render_id == render_id]:
+        for key in keys:
             audit = self._open[key]
             entries.extend(audit.published.entries if audit.published else [])
             self._close(key)
@@ -185,5 +261,6 @@ class Auditor:
 
     def _close(self, key: JobKey) -> None:
         del self._open[key]
+        self._alone.discard(key)
         if key in self._waiting:
             self._waiting.remove(key)

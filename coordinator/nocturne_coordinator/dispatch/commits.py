@@ -62,6 +62,8 @@ class Commits:
 
     def _commit(self, at: Moment) -> Steps[None]:
         state = self._state
+        for render in state.renders.values():
+            render.count_unaudited(state.auditor.unsettled.pop(render.id, 0))
         changed = [
             (render, changes)
             for render in state.renders.values()

@@ -4,7 +4,7 @@ from nocturne_coordinator.dispatch.admission import Admission
 from nocturne_coordinator.dispatch.audit import MAX_WAIT
 from nocturne_coordinator.dispatch.commits import Commits
 from nocturne_coordinator.dispatch.events import Moment
-from nocturne_coordinator.dispatch.instructions import Steps
+from nocturne_coordinator.dispatch.instructions import MakePictures, Steps, Withdraw
 from nocturne_coordinator.dispatch.records import RenderState
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.state import State
@@ -22,6 +22,8 @@ class Endings:
         self._commits = commits
         self._admission = admission
         self._next_finish = 0.0
+        self._pictured_at: dict[str, float] = {}
+        """When to ask again for the pictures of renders that wait for them."""
 
     def finish(self, at: Moment) -> Steps[None]:
         """Ends the renders that are to end now."""
@@ -31,19 +33,26 @@ class Endings:
             if (how := render.ending(at.now, at.unix))
         ]
         endings = [
-            each for each in ending if self._audits_are_done(each[0], at.now) and not each[0].row.layers_due
+            each
+            for each in ending
+            if self._audits_are_done(each[0], at.now)
+            and not each[0].row.layers_due
+            and at.now >= self._pictured_at.get(each[0].id, 0.0)
         ]
         self._state.needs_audits_only = {each[0].id for each in ending} - {each[0].id for each in endings}
         # An owed quarantine may throw samples away that an image would have.
         if at.now < self._next_finish or self._state.owed or not (endings or self._state.failed):
             return
         self._next_finish = at.now + self._state.settings.commit_seconds
+        for render, *_ in endings:
+            if jobs := self._state.auditor.give_up(render.id):
+                yield Withdraw(tuple(jobs), stop=True)
         if not (yield from self._commits.commit(at)):
             return
         try:
             yield from self._end_failed()
             for render, state, reason in endings:
-                yield from self._end_with_image(render, state, reason)
+                yield from self._end_with_image(render, state, reason, at.now)
         except LeaseLost as lost:
             yield from self._commits.lose(lost.render_id)
         except FolderTrouble as trouble:
@@ -57,8 +66,11 @@ class Endings:
         state = self._state
         if not state.auditor.pending(render.id):
             return True
+        live = state.fleet.live(render.floating_point_profile)
+        if state.auditor.only_others_could(render.id, live):
+            return True
         witnesses = 3 if state.auditor.disputed(render.id) else 2
-        if len(state.fleet.live(render.floating_point_profile)) < witnesses:
+        if len(live) < witnesses:
             return now >= state.audits_end.setdefault(render.id, now + _LONELY_SECONDS)
         return now >= state.audits_end.setdefault(render.id, now + MAX_WAIT)
 
@@ -72,10 +84,17 @@ class Endings:
                 yield from self._commits.drop(render_id)
             del failed[render_id]
 
-    def _end_with_image(self, render: RunningRender, state: RenderState, reason: str) -> Steps[None]:
+    def _end_with_image(
+        self, render: RunningRender, state: RenderState, reason: str, now: float
+    ) -> Steps[None]:
         """Images first, then the state: who sees that it has ended finds them."""
         if render.id not in self._state.renders:
             return
+        if render.totals.photons and not (yield MakePictures(render.id)):
+            self._pictured_at[render.id] = now + self._state.settings.commit_seconds
+            self._state.needs_audits_only.add(render.id)
+            return
+        self._pictured_at.pop(render.id, None)
         if render.totals.photons:
             yield from self._commits.show_final(render)
         if disputed := self._state.auditor.disputed(render.id):

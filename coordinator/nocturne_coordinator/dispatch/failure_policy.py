@@ -14,12 +14,15 @@ from collections.abc import Collection
 from dataclasses import dataclass, field
 
 from nocturne_coordinator.dispatch.scheduler import JobKey
-from nocturne_coordinator.limits import DISTINCT_JOBS, DISTINCT_WORKERS
+from nocturne_coordinator.enrolment import token_of
+from nocturne_coordinator.limits import DISTINCT_JOBS, DISTINCT_LIARS, DISTINCT_WORKERS
 
 _BY_CHANCE = 1e-7
 """How improbable as many deaths must be before they are somebody's fault: a night has some 1e5 jobs."""
 
 _MAX_DEATHS = 8
+
+_LIES_SECONDS = 86400.0
 
 
 @dataclass(slots=True)
@@ -46,6 +49,8 @@ class FailurePolicy:
         self._failures: dict[JobKey, _Failures] = {}
         self._charges: dict[str, set[JobKey]] = {}
         self._deaths_in_a_row: dict[str, set[JobKey]] = {}
+        self._lies: dict[str, dict[str, float]] = {}
+        """By token, its machines that lied, and when."""
         self._deaths = 0
         self._done = 0
 
@@ -65,10 +70,13 @@ class FailurePolicy:
             self._deaths += 1
             self._deaths_in_a_row.setdefault(worker, set()).add(key)
         needed = self._deaths_needed() if failures.died else DISTINCT_WORKERS
+        owners = {token_of(each) for each in failures.reasons}
+        # Who holds a token may give its machines any names: others must have failed, too, if there are any.
+        of_all = len(owners) >= needed or {token_of(each) for each in live} <= owners
         # Until statuses are read nobody is known to work, not even who has just failed.
         is_known = died or worker in live
         nobody_else = is_known and failures.times >= DISTINCT_WORKERS and set(live) <= failures.reasons.keys()
-        if len(failures.reasons) < needed and not nobody_else:
+        if not nobody_else and not (of_all and len(failures.reasons) >= needed):
             return None
         del self._failures[key]
         return PoisonedJob(reason, tuple(sorted(failures.reasons)))
@@ -92,6 +100,16 @@ class FailurePolicy:
                 del self._charges[failed]
                 guilty.append(failed)
         return guilty
+
+    def lied(self, machine: str, now: float) -> bool:
+        """A machine was found faulty; whether all of its token's are not to be trusted any more."""
+        token = token_of(machine)
+        if token == machine:
+            return False
+        before = self._lies.get(token, {})
+        lies = {each: at for each, at in before.items() if at > now - _LIES_SECONDS}
+        self._lies[token] = {**lies, machine: now}
+        return len(self._lies[token]) >= DISTINCT_LIARS
 
     def _deaths_needed(self) -> int:
         """So many of them that they do not come about by chance, as often as processes die lately."""

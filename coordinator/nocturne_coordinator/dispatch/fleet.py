@@ -4,9 +4,9 @@ from collections import Counter
 from collections.abc import Collection, Mapping
 
 from nocturne_coordinator.dispatch.liveness import Liveness
-from nocturne_coordinator.dispatch.profiles import incompatible, machines_by_profile
+from nocturne_coordinator.dispatch.profiles import incompatible, votes_by_profile
 from nocturne_coordinator.dispatch.records import WorkerRow
-from nocturne_coordinator.enrolment import machine_of
+from nocturne_coordinator.enrolment import machine_of, reason_of
 from nocturne_coordinator.limits import MAX_THREADS
 
 
@@ -17,7 +17,7 @@ class Fleet:
         self.liveness = Liveness()
         self.workers: tuple[WorkerRow, ...] = ()
         self.quarantined: Mapping[str, str] = {}
-        """Workers that are to take no jobs, and why."""
+        """Machines, and tokens with all machines, that are to take no jobs, and why."""
         self.drained: Mapping[str, str] = {}
         """Workers that are to take no jobs, though the jobs they finish count, and why."""
         self.incompatible: Mapping[str, str] = {}
@@ -25,7 +25,7 @@ class Fleet:
         self.threads = 0
         """Of all workers that take jobs."""
         self.machines_by_profile: Mapping[str, int] = {}
-        """Of all that could, whatever the renders need."""
+        """Of all that could work, whatever the renders need; owners, where there are several."""
         self.jobs_of_others = 0
         """On the stream, of other coordinators."""
         self.share = 1.0
@@ -47,10 +47,16 @@ class Fleet:
                     self._live.setdefault(worker.floating_point_profile, set()).add(machine)
         return self._live.get(floating_point_profile, set())
 
+    @property
+    def alike(self) -> int:
+        """Most machines whose workers take jobs and round alike: with fewer than two nothing is audited."""
+        self.live()
+        return max((len(of) for profile, of in self._live.items() if profile), default=0)
+
     def seen(self, workers: tuple[WorkerRow, ...]) -> dict[str, str]:
         """Who is there now; gives those that are newly incompatible, and why."""
         self.workers = workers
-        self.machines_by_profile = machines_by_profile(workers, self.quarantined)
+        self.machines_by_profile = votes_by_profile(workers, self.quarantined)
         found = self._find_incompatible()
         threads: Counter[str] = Counter()
         for worker in workers:
@@ -70,11 +76,16 @@ class Fleet:
 
     def without_jobs(self) -> dict[str, str]:
         """All workers and machines that are to take no jobs, and why."""
-        return {**self.incompatible, **self.drained, **self.quarantined}
+        of_tokens = {}
+        for worker in self.workers:
+            machine = machine_of(worker.id)
+            if machine not in self.quarantined and (reason := reason_of(machine, self.quarantined)):
+                of_tokens[machine] = reason
+        return {**self.incompatible, **self.drained, **self.quarantined, **of_tokens}
 
     def _takes_jobs(self, worker: WorkerRow) -> bool:
         refused = worker.id in self.incompatible or worker.id in self.drained
-        return not refused and machine_of(worker.id) not in self.quarantined
+        return not refused and not reason_of(machine_of(worker.id), self.quarantined)
 
     def _find_incompatible(self) -> dict[str, str]:
         before, found = self.incompatible, incompatible(self.workers, self.quarantined, self._profiles)

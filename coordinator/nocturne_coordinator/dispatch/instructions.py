@@ -206,6 +206,14 @@ class RecordError(Instruction):
 
 
 @dataclass(frozen=True, slots=True)
+class MakePictures(Instruction):
+    """Make the last pictures of a render, all of whose results are committed. Answer: whether they are made;
+    if not, to be asked again."""
+
+    render_id: str
+
+
+@dataclass(frozen=True, slots=True)
 class WriteImage(Instruction):
     """Write the image of a render that ends. Answer: the moment when that was done."""
 

@@ -9,6 +9,9 @@ from nocturne_scene.ranges import FIRST_RANGE
 JOB_SECONDS = 60.0
 """Processor seconds that a job should take at most: what a worker that is stopped loses, and others wait."""
 
+USUAL_COST = 1e-6
+"""Processor seconds per photon, before anything was measured: what the example scenes cost."""
+
 _CUT_TO = 0.5
 """Part of that to which ranges are cut, so that a somewhat dearer tile does not call for another cut."""
 

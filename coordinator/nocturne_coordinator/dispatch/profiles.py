@@ -11,7 +11,7 @@ from collections.abc import Collection, Iterable, Mapping
 from nocturne.v1 import job_pb2
 
 from nocturne_coordinator.dispatch.records import UNKNOWN_CLASS, WorkerRow
-from nocturne_coordinator.enrolment import machine_of
+from nocturne_coordinator.enrolment import machine_of, reason_of, token_of
 
 _DIGEST = re.compile(r"[0-9a-f]{16}")
 
@@ -27,15 +27,37 @@ def profile_of(told: str) -> str:
     return told if _DIGEST.fullmatch(told) else UNKNOWN_CLASS
 
 
-def machines_by_profile(workers: Iterable[WorkerRow], quarantined: Collection[str]) -> Counter[str]:
-    """Of the workers that could take jobs. A machine counts once, whatever it says of itself: with threads or
-    workers, one could outvote all others."""
-    found = {
+def machines_by_profile(workers: Iterable[WorkerRow], quarantined: Mapping[str, str]) -> Counter[str]:
+    """Of the workers that could take jobs."""
+    found = _profiles(workers, quarantined)
+    return Counter(floating_point_profile for floating_point_profile, _ in found)
+
+
+def votes_by_profile(workers: Iterable[WorkerRow], quarantined: Mapping[str, str]) -> Counter[str]:
+    """Whom the majority are. A machine counts once, whatever it says of itself: with threads or workers, one
+    could outvote all others. So does an owner's token, if there are several: it may name many machines."""
+    found = _profiles(workers, quarantined)
+    owners = {(floating_point_profile, token_of(machine)) for floating_point_profile, machine in found}
+    several = len({owner for _, owner in owners}) > 1
+    return Counter(floating_point_profile for floating_point_profile, _ in (owners if several else found))
+
+
+def _profiles(workers: Iterable[WorkerRow], quarantined: Mapping[str, str]) -> set[tuple[str, str]]:
+    """All pairs of profile and machine."""
+    return {
         (worker.floating_point_profile, machine_of(worker.id))
         for worker in workers
-        if worker.engine == job_pb2.ENGINE_CURRENT and machine_of(worker.id) not in quarantined
+        if worker.engine == job_pb2.ENGINE_CURRENT and not reason_of(machine_of(worker.id), quarantined)
     }
-    return Counter(floating_point_profile for floating_point_profile, _ in found)
+
+
+def unaudited(workers: Iterable[WorkerRow], quarantined: Mapping[str, str]) -> dict[str, str]:
+    """Workers whose results no other machine can audit, as none is there that rounds alike; and that in
+    words."""
+    workers = list(workers)
+    machines = machines_by_profile(workers, quarantined)
+    why = "Nothing that it traces is audited: no other machine is there that could."
+    return {worker.id: why for worker in workers if machines[worker.floating_point_profile] == 1}
 
 
 def usual_profiles(machines: Mapping[str, int]) -> set[str]:
@@ -72,14 +94,14 @@ def should_start_anew(of_render: str, machines: Mapping[str, int], cpu_seconds: 
 
 
 def incompatible(
-    workers: Collection[WorkerRow], quarantined: Collection[str], renders: Collection[str]
+    workers: Collection[WorkerRow], quarantined: Mapping[str, str], renders: Collection[str]
 ) -> dict[str, str]:
     """The workers that are to take no jobs though they did nothing wrong, and why.
 
     `renders`: floating-point profiles of all open renders, empty for one that has none yet. Without any
     render, no floating-point profile is wrong.
     """
-    usual = usual_profiles(machines_by_profile(workers, quarantined))
+    usual = usual_profiles(votes_by_profile(workers, quarantined))
     wanted = {each for each in renders if each} | (usual if "" in renders else set())
     found = {}
     for worker in workers:

@@ -50,10 +50,23 @@ class InvalidTransition(AssertionError):
 
 @dataclass(slots=True)
 class FairShare:
-    """One of those who share the workers: work given so far, divided by the weight."""
+    """One of those who share the workers, by start-time fair queueing (Goyal, Vin, Cheng 1996): work is
+    counted from when it was last wanted, so who is idle saves up no claim."""
 
     weight: float
-    virtual_time: float = 0.0
+    finish: float = 0.0
+    """Where the work given so far ends, divided by the weight."""
+    now: float = 0.0
+    """Where the last work began of those who share what this one gets."""
+
+    def start(self, among: "FairShare") -> float:
+        """Where its next work begins, of those who share what `among` gets."""
+        return max(among.now, self.finish)
+
+    def give(self, among: "FairShare", cost: float) -> None:
+        """It gets work, from here on."""
+        among.now = self.start(among)
+        self.finish = among.now + cost / self.weight
 
 
 @dataclass(slots=True)

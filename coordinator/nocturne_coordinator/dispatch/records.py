@@ -135,6 +135,7 @@ class Totals:
     invalid_samples: int = 0
     cpu_seconds: float = 0.0
     audited: int = 0
+    unaudited: int = 0
     refused: int = 0
     truncated_paths: int = 0
 

@@ -15,10 +15,10 @@ from nocturne_coordinator.dispatch.records import FailedTile
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.scheduler import JobKey
 from nocturne_coordinator.dispatch.state import State
-from nocturne_coordinator.enrolment import machine_of
+from nocturne_coordinator.enrolment import machine_of, reason_of, token_of
 from nocturne_coordinator.limits import MAX_FAILED_TILES, MAX_REASON
 
-_MAX_NAME = 128
+_MAX_NAME = 256
 
 
 @dataclass(slots=True)
@@ -105,7 +105,7 @@ class ResultHandler:
             self._refuse_of(render, entry, f"worker={worker}: {refusal}", outcome)
             return
         key = JobKey(render.id, result.job.tile_index, planned.index)
-        if worker in self._state.fleet.quarantined:
+        if reason_of(worker, self._state.fleet.quarantined):
             self._refuse_of(render, entry, f"worker={worker} is in quarantine", outcome)
             self._give_back(key, outcome)
             return
@@ -182,7 +182,7 @@ class ResultHandler:
             # The stream is read again from its start, and this very entry is still to be merged.
             return
         if verdict is MergeResult.DUPLICATE:
-            self._compare(render, key, offered.worker, partial, outcome)
+            self._compare(render, key, offered.worker, partial, now, outcome)
         elif verdict is not MergeResult.TOO_EARLY:
             self._state.auditor.accepted(
                 key,
@@ -213,16 +213,26 @@ class ResultHandler:
             scheduler.expect(render.id, tile_index, render.film.horizon(tile_index))
 
     def _compare(
-        self, render: RunningRender, key: JobKey, worker: str, partial: job_pb2.Partial, outcome: Outcome
+        self,
+        render: RunningRender,
+        key: JobKey,
+        worker: str,
+        partial: job_pb2.Partial,
+        now: float,
+        outcome: Outcome,
     ) -> None:
-        finding = self._state.auditor.again(key, worker, partial)
+        live = self._state.fleet.live(render.floating_point_profile)
+        finding = self._state.auditor.again(key, worker, partial, live)
         outcome.withdrawn.extend(finding.withdrawn)
         if finding.agreed:
             render.count_audited()
-        for liar in finding.liars:
+        for liar, proof in finding.liars.items():
             place = f"tile {key.tile_index}, range {key.range_index} of {render.id}"
-            reason = f"Its result differs from that of two other workers: {place}."
+            reason = f"{proof}: {place}."
             outcome.quarantined.append(Quarantine(liar, reason, lied=True))
+            if self._state.failure_policy.lied(liar, now):
+                reason = "Three of its machines were found faulty within a day."
+                outcome.quarantined.append(Quarantine(token_of(liar), reason, lied=False))
 
     def _fail(
         self,
@@ -262,8 +272,9 @@ class ResultHandler:
             outcome.failed[render.id] = verdict.reason
 
     def _is_failure(self, render: RunningRender) -> bool:
-        """A single machine that enrolled can spoil tiles, which a resumed render tries again, and no more."""
-        believed = not self._state.settings.enrolled or len(render.failed_on) > 1
+        """One owner of enrolled machines can spoil tiles, which a resumed render tries again; no more."""
+        owners = {token_of(machine) for machine in render.failed_on}
+        believed = not self._state.settings.enrolled or len(owners) > 1
         planned = render.planned
         # Where forward photons bring all light, there is nothing without them.
         most = min(MAX_FAILED_TILES, planned.grid.count if planned.ranges else 1)

@@ -15,7 +15,7 @@ from nocturne_coordinator.dispatch.error_estimate import ErrorEstimate
 from nocturne_coordinator.dispatch.film import MergedFilm
 from nocturne_coordinator.dispatch.forecast import Forecast, Measured, forecast
 from nocturne_coordinator.dispatch.forward_photons import photon_commit_seconds
-from nocturne_coordinator.dispatch.job_cost import JOB_SECONDS, longest_range, max_cpu_seconds
+from nocturne_coordinator.dispatch.job_cost import JOB_SECONDS, USUAL_COST, longest_range, max_cpu_seconds
 from nocturne_coordinator.dispatch.merge import Offered, RangeSums
 from nocturne_coordinator.dispatch.planned_render import PlannedRender
 from nocturne_coordinator.dispatch.range_queue import RangeQueue, RangeState
@@ -32,9 +32,6 @@ from nocturne_coordinator.dispatch.trust import CONFIDENCE, RangeEnd, confirmed,
 
 _RATE_SECONDS = 10.0
 """Over which photons per second are counted: many jobs, yet soon 0 when the workers are gone."""
-
-_USUAL_COST = 1e-6
-"""Processor seconds per photon, before anything was measured: what the example scenes cost."""
 
 _HISTORY_STEP = 1.01
 """A point of the error's history for every 1 % more photons: about 1400 for a render of a million samples."""
@@ -187,6 +184,12 @@ class RunningRender:
         self.totals.audited += 1
         self._dirty_totals = True
 
+    def count_unaudited(self, ranges: int) -> None:
+        """Ranges were to be audited, and no other machine traced them."""
+        if ranges:
+            self.totals.unaudited += ranges
+            self._dirty_totals = True
+
     def count_refused(self) -> None:
         """A result came that could not be right."""
         self.totals.refused += 1
@@ -284,7 +287,7 @@ class RunningRender:
         planned = self.planned.ranges_of(tile_index)[range_index]
         photons = self.planned.photons_in(tile_index, planned)
         known = self.totals.photons > 0 and self.totals.cpu_seconds > 0.0
-        return photons * (self.totals.cpu_seconds / self.totals.photons if known else _USUAL_COST)
+        return photons * (self.totals.cpu_seconds / self.totals.photons if known else USUAL_COST)
 
     def max_cpu_seconds(self, planned: SampleRange) -> float:
         """Processor seconds after which a job is stopped."""

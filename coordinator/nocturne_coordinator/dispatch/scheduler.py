@@ -63,6 +63,7 @@ class Scheduler:
         """`shortest_overdue`: seconds that a job is out, at least, before it is overdue."""
         self._shortest_overdue = shortest_overdue
         self._queues: dict[str, RenderQueues] = {}
+        self._farm = FairShare(1.0)
         self._owners: dict[str, FairShare] = {}
         self._outstanding: dict[JobKey, Published] = {}
         self._times: deque[float] = deque(maxlen=_REMEMBERED_TIMES)
@@ -84,12 +85,8 @@ class Scheduler:
         Owners share the workers by their weight, and an owner's renders share by priority what the owner
         gets.
         """
-        of_owner = self._owners.setdefault(owner, FairShare(owner_weight, _least(self._owners.values())))
-        of_owner.weight = owner_weight
-        share = FairShare(
-            priority, _least(queue.share for queue in self._queues.values() if queue.owner == owner)
-        )
-        self._queues[render_id] = RenderQueues(render_id, queues, owner, share, cost)
+        self._owners.setdefault(owner, FairShare(owner_weight)).weight = owner_weight
+        self._queues[render_id] = RenderQueues(render_id, queues, owner, FairShare(priority), cost)
 
     def replan(self, render_id: str, kept: Sequence[int], queues: list[RangeQueue]) -> list[bytes]:
         """The render has other ranges, of each queue the first `kept` as before; gives the entries of jobs
@@ -120,8 +117,11 @@ class Scheduler:
         queue = self._queues.pop(render_id, None)
         if queue is None:
             return []
-        if all(other.owner != queue.owner for other in self._queues.values()):
-            del self._owners[queue.owner]
+        at_work = {other.owner for other in self._queues.values()}
+        # Who had more than its share by now does not lose that by coming again.
+        for owner in [each for each in self._owners if each not in at_work]:
+            if self._owners[owner].finish <= self._farm.now:
+                del self._owners[owner]
         keys = [key for key in self._outstanding if key.render_id == render_id]
         return [entry for key in keys for entry in self._outstanding.pop(key).entries]
 
@@ -175,10 +175,9 @@ class Scheduler:
     def charge(self, render_id: str, cost: float) -> None:
         """A render has cost that much for nothing, in the unit of `cost`: the others come before it for as
         long."""
-        queue = self._queues[render_id]
-        queue.share.virtual_time += cost / queue.share.weight
-        owner = self._owners[queue.owner]
-        owner.virtual_time += cost / owner.weight
+        share, owner = self._queues[render_id].share, self._owners[self._queues[render_id].owner]
+        share.finish += cost / share.weight
+        owner.finish += cost / owner.weight
 
     def lost(self) -> None:
         """The stream was emptied: all that was on it is to be published again."""
@@ -216,16 +215,14 @@ class Scheduler:
         jobs: list[JobKey] = []
         able = {render_id: queue for render_id, queue in self._queues.items() if render_id not in but}
         while len(jobs) < count and able:
-            render_id, queue = min(able.items(), key=self._passed)
+            render_id, queue = min(able.items(), key=self._start)
             key = self._next_of(render_id)
             if key is None:
                 del able[render_id]
-                # Who has nothing to give out now saves up no claim on later.
-                if able:
-                    least = min((each.share for each in able.values()), key=lambda share: share.virtual_time)
-                    queue.share.virtual_time = max(queue.share.virtual_time, least.virtual_time)
                 continue
-            self.charge(render_id, queue.cost(key.tile_index, key.range_index))
+            cost, owner = queue.cost(key.tile_index, key.range_index), self._owners[queue.owner]
+            queue.share.give(owner, cost)
+            owner.give(self._farm, cost)
             jobs.append(key)
         return jobs
 
@@ -242,9 +239,10 @@ class Scheduler:
             self._move(key, RangeState.PUBLISHED)
         return found
 
-    def _passed(self, item: tuple[str, RenderQueues]) -> tuple[float, str, float]:
+    def _start(self, item: tuple[str, RenderQueues]) -> tuple[float, str, float]:
         queue = item[1]
-        return self._owners[queue.owner].virtual_time, queue.owner, queue.share.virtual_time
+        owner = self._owners[queue.owner]
+        return owner.start(self._farm), queue.owner, queue.share.start(owner)
 
     def slow(self, now: float, count: int) -> list[JobKey]:
         """Up to `count` jobs that are out for much longer than others and have no copy yet, oldest first."""
@@ -303,8 +301,3 @@ class Scheduler:
         key = JobKey(render_id, *found)
         self._move(key, RangeState.PUBLISHED)
         return key
-
-
-def _least(shares: Iterable[FairShare]) -> float:
-    """Where who comes new begins: neither behind the others nor ahead of them."""
-    return min((share.virtual_time for share in shares), default=0.0)

@@ -49,7 +49,7 @@ class State:
     audits_end: dict[str, float] = field(default_factory=dict)
     """When renders end that wait for audits, whatever becomes of these."""
     needs_audits_only: set[str] = field(default_factory=set)
-    """Renders that end as soon as their audits are done: they get no other jobs."""
+    """Renders that end as soon as their audits, layers and pictures are done: they get no other jobs."""
     odd_since: dict[str, float] = field(default_factory=dict)
     """Renders that most workers can't help with, and since when."""
     folder_trouble: bool = False

@@ -59,6 +59,7 @@ class Window:
         ours = state.scheduler.outstanding + len(state.auditor.entries())
         fleet.jobs_of_others = max(0, event.jobs_waiting - ours)
         state.lost += lost
+        state.auditor.look(lambda render: fleet.live(state.renders[render].floating_point_profile))
         yield TellWorkers(fleet.without_jobs())
 
     def emptied(self) -> None:

@@ -1,30 +1,34 @@
 """Previews, images and bundles in the data folder."""
 
-import json
 import logging
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from nocturne.v1 import job_pb2
 from nocturne_scene.errors import NotFound
-from nocturne_scene.layers import NO_LAYERS, Layers, read_layers
-from nocturne_scene.render_warnings import from_messages
 from nocturne_scene.replacing import replacing, sync
 
-from nocturne_coordinator.dispatch.records import FailedTile
+from nocturne_coordinator.dispatch.records import FailedTile, OpenRender
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.errors import LeaseLost
 from nocturne_coordinator.output.images import (
     FINAL_COMPRESSION,
     LIVE_COMPRESSION,
-    Provenance,
-    manifest_text,
-    write_image,
     write_preview,
     write_thumbnail,
+)
+from nocturne_coordinator.output.pictures import (
+    APART_PIXELS,
+    IMAGE,
+    PREVIEW,
+    THUMBNAIL,
+    Painted,
+    Pauses,
+    PictureProcesses,
+    write_image_of,
 )
 from nocturne_coordinator.sign_of_life import SignOfLife
 from nocturne_coordinator.store.bundle import write_bundle
@@ -49,64 +53,144 @@ class Previews:
         self._alive = alive or SignOfLife()
         self._folder = folder
         self._ledger = ledger
+        self._pauses = Pauses()
+        self._processes = PictureProcesses(getattr(folder, "root", Path()), self._pauses)
+        self._painted: dict[str, Painted] = {}
+        """By render, pictures to be put in place."""
+        self._placed: set[str] = set()
+        """Renders whose final preview is there already."""
 
     def write_bundle(self, render: RunningRender, failed: FailedTile) -> None:
         """What reproduces the failure of a tile; OSError, NotFound."""
         write_bundle(self._folder, render.planned, failed)
 
     def finish_ended(self, unix_time: float) -> None:
-        """Final images of renders that were cancelled or failed, from committed sums."""
+        """Final images of renders that were cancelled or failed, from committed sums. One whose images can't
+        be made is tried again later, and keeps nobody else's."""
         for waiting in self._ledger.renders.ended_without_image():
-            row = self._ledger.renders.take(waiting.id)
-            if row is None:
-                continue
-            try:
-                render = RunningRender(row, self._ledger.renders.tiles(row.id))
-            except ValueError as error:
-                _log.error("render=%s has no image: %s", row.id, error)
-            else:
-                if render.totals.ranges:
-                    self.write_image(render)
-                    self.write_preview(render, final=True)
-                    self.write_thumbnail(render)
-                    point, in_history = render.error_point(unix_time)
-                    self._ledger.commits.record_preview(row.id, row.fence, point, in_history)
-            self._ledger.commits.images_written(row.id, row.fence)
-            self._ledger.leases.let_go(row.id, row.fence)
+            if self._is_apart(waiting):
+                self._finish_apart(waiting)
+            elif self._pauses.over(waiting.id):
+                try:
+                    self._finish_here(waiting.id, unix_time)
+                except OSError as error:
+                    self._pauses.failed(waiting.id)
+                    _log.error("render=%s has no image yet: %s", waiting.id, error)
+                else:
+                    self._pauses.worked(waiting.id)
+
+    def _finish_here(self, render_id: str, unix_time: float) -> None:
+        row = self._ledger.renders.take(render_id)
+        if row is None:
+            return
+        try:
+            render = RunningRender(row, self._ledger.renders.tiles(row.id))
+        except ValueError as error:
+            _log.error("render=%s has no image: %s", row.id, error)
+        else:
+            if render.totals.ranges:
+                self.write_image(render)
+                self.write_preview(render, final=True)
+                self.write_thumbnail(render)
+                point, in_history = render.error_point(unix_time)
+                self._ledger.commits.record_preview(row.id, row.fence, point, in_history)
+        self._ledger.commits.images_written(row.id, row.fence)
+        self._ledger.leases.let_go(row.id, row.fence)
+
+    def _finish_apart(self, waiting: OpenRender) -> None:
+        painted = None
+        if waiting.totals.photons and (painted := self._ask(waiting)) is None:
+            return
+        row = self._ledger.renders.take(waiting.id)
+        if row is None:
+            return
+        if painted is not None:
+            self._painted[row.id] = painted
+            self._place_all(row)
+            self._ledger.commits.record_preview(row.id, row.fence, painted.point, in_history=True)
+        self._ledger.commits.images_written(row.id, row.fence)
+        self._ledger.leases.let_go(row.id, row.fence)
+
+    # --- by processes ---
+
+    def are_ready(self, render: RunningRender) -> bool:
+        """Whether the final pictures of all that is committed can be put in place at once; asked for again
+        until they can."""
+        if not self._is_apart(render.row):
+            return True
+        painted = self._ask(replace(render.row, totals=render.totals))
+        if painted is not None:
+            self._painted[render.id] = painted
+        return painted is not None
+
+    def close(self) -> None:
+        """Ends all work."""
+        self._processes.close()
+
+    def _ask(self, row: OpenRender) -> Painted | None:
+        try:
+            place = self._folder.image_path(row.id).parent
+        except NotFound:
+            raise LeaseLost(row.id) from None
+        return self._processes.ask(row.id, row.owner, row.totals.photons, place)
+
+    def _is_apart(self, row: OpenRender) -> bool:
+        return row.schedule.width * row.schedule.height > APART_PIXELS
+
+    def _place_all(self, row: OpenRender) -> None:
+        """Moves what a process made to its place."""
+        painted = self._painted.pop(row.id)
+        places = (
+            (IMAGE, self._folder.image_path),
+            (PREVIEW, self._folder.preview_path),
+            (THUMBNAIL, self._folder.thumbnail_path),
+        )
+        try:
+            for name, place_of in places:
+                with self._in_place(row, place_of, durable=True) as path:
+                    (painted.folder / name).replace(path)
+        finally:
+            painted.remove()
+
+    # --- here ---
 
     def write_preview(self, render: RunningRender, final: bool = False) -> None:
+        if final and render.id in self._placed:
+            self._placed.discard(render.id)
+            return
         compression = FINAL_COMPRESSION if final else LIVE_COMPRESSION
-        with self._in_place(render, self._folder.preview_path, durable=final) as path:
+        with self._in_place(render.row, self._folder.preview_path, durable=final) as path:
             write_preview(path, render.film.sums, render.film.counts, compression)
 
     def write_thumbnail(self, render: RunningRender) -> None:
-        with self._in_place(render, self._folder.thumbnail_path) as path:
+        with self._in_place(render.row, self._folder.thumbnail_path) as path:
             write_thumbnail(path, render.film.sums, render.film.counts)
 
     def write_image(self, render: RunningRender) -> None:
-        names = render.planned.schedule.further_responses
-        with self._in_place(render, self._folder.image_path, durable=True) as path:
-            film = render.film
-            layers = layers_of(self._folder, render.row.layers_sha256)
-            write_image(path, film.sums, film.counts, film.squares, provenance_of(render), names, layers)
+        if render.id in self._painted:
+            self._place_all(render.row)
+            self._placed.add(render.id)
+            return
+        with self._in_place(render.row, self._folder.image_path, durable=True) as path:
+            write_image_of(self._folder, render, path)
 
     @contextmanager
     def _in_place(
-        self, render: RunningRender, place_of: Callable[[str], Path], durable: bool = False
+        self, row: OpenRender, place_of: Callable[[str], Path], durable: bool = False
     ) -> Iterator[Path]:
         """Where to write a picture that is put into its place only if the render is still ours.
 
         `durable`: it survives a power cut, for the render's end is reported after it.
         """
         try:
-            path = place_of(render.id)
+            path = place_of(row.id)
         except NotFound:
-            raise LeaseLost(render.id) from None
-        longest = _BUSY_S_PER_PIXEL * render.film.counts.size
+            raise LeaseLost(row.id) from None
+        longest = _BUSY_S_PER_PIXEL * row.schedule.width * row.schedule.height
         self._alive.busy(_BUSY_S + longest)
         if durable:
             self._ledger.leases.stay(time.time() + longest)
-        holding = partial(self._ledger.leases.holding, render.id, render.row.fence)
+        holding = partial(self._ledger.leases.holding, row.id, row.fence)
         try:
             try:
                 path.parent.mkdir(parents=True, exist_ok=True)
@@ -125,50 +209,3 @@ class Previews:
             with suppress(OSError):
                 path.parent.rmdir()
             raise
-
-
-def layers_of(folder: DataFolder, sha256: str) -> Layers:
-    """Those of a render; none where it has none, or where their file is gone: the image does without."""
-    if not sha256:
-        return NO_LAYERS
-    try:
-        return read_layers(folder.blobs.path(sha256))
-    except (NotFound, OSError) as error:
-        _log.warning("layers=%s are left out of an image: %s", sha256, error)
-        return NO_LAYERS
-
-
-def provenance_of(render: RunningRender) -> Provenance:
-    """What the render's image says of itself."""
-    samples = render.film.manifest()
-    planned = render.planned
-    whole = samples == [planned.ranges_of(index).end for index in range(planned.queues)]
-    return Provenance(
-        render.planned.scene.hex(),
-        schedule_json(render.planned.schedule),
-        render.planned.engine,
-        "" if whole else manifest_text(samples),
-        render.floating_point_profile,
-        render.planned.schedule.quantity,
-        render.image_doubt,
-        render.totals.truncated_paths,
-        render.planned.schedule.way,
-        from_messages(render.planned.schedule.warnings),
-    )
-
-
-def schedule_json(schedule: job_pb2.RangeSchedule) -> str:
-    """The schedule in proto3 JSON, one line, in one fixed spelling: it is part of canonical files."""
-    content: dict[str, int | list[int] | list[str]] = {
-        "width": schedule.width,
-        "height": schedule.height,
-        "tileSize": schedule.tile_size,
-        "rangeEnds": list(schedule.range_ends),
-    }
-    if schedule.further_responses:
-        content["furtherResponses"] = list(schedule.further_responses)
-    if schedule.photons_per_sample:
-        content["photonsPerSample"] = schedule.photons_per_sample
-    if schedule.photon_range_ends:
-        content["photonRangeEnds"] = list(schedule.photon_range_ends)
-    return json.dumps(content, separators=(",", ":"))

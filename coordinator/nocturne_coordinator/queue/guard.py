@@ -19,6 +19,7 @@ class Guard:
         """`machines`: keys by name."""
         self._lease_key = lease_key
         self.machines = machines
+        self._admitted: dict[str, bytes] = {}
 
     def lease(self, job: bytes) -> bytes:
         """Of a serialised Job."""
@@ -37,13 +38,16 @@ class Guard:
     def admit(self, client: Any) -> None:
         """Makes Redis users of all machines, as they are, and ends the connections of those that are not any
         more."""
-        wanted = {redis_user(name): (name, key) for name, key in self.machines.items()}
-        # Where the machine was created again meanwhile, nothing changes for those who are signed on.
-        pipeline = client.pipeline(transaction=False)
-        for user, (name, key) in wanted.items():
-            pipeline.execute_command("ACL", "SETUSER", user, *_rules(name, redis_password(key)))
-        pipeline.execute()
         there = {name.decode() for name in client.execute_command("ACL", "USERS")}
+        pipeline = client.pipeline(transaction=False)
+        # There may be thousands, of which one is new.
+        for name, key in self.machines.items():
+            if redis_user(name) not in there or self._admitted.get(name) != key:
+                rules = _rules(name, redis_password(key))
+                pipeline.execute_command("ACL", "SETUSER", redis_user(name), *rules)
+        pipeline.execute()
+        self._admitted = dict(self.machines)
+        wanted = {redis_user(name) for name in self.machines}
         gone = [user for user in there if user.startswith(_USER_PREFIX) and user not in wanted]
         if gone:
             client.execute_command("ACL", "DELUSER", *gone)

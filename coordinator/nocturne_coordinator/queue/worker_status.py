@@ -10,7 +10,7 @@ from nocturne_coordinator.dispatch.records import WorkerRow
 from nocturne_coordinator.limits import MAX_THREADS
 
 _LARGEST = 2**63 - 1
-_MAX_ID = 128
+_MAX_ID = 256
 
 
 def worker_row(name: str, data: bytes, seen: float) -> WorkerRow | None:

@@ -50,8 +50,9 @@ class Commits:
         changed = self._database.execute(
             """UPDATE render SET ranges_done = ?, photons = ?, rays = ?, invalid_samples = ?,
                    truncated_paths = ?, photon_bundles = ?, cpu_seconds = ?,
-                   audited = ?, refused = ?, photons_per_second = iif(state = 'RUNNING', ?, 0), ran_seconds =
-                   ?, tiles_done = ?, tiles_failed = ?, predicted_end = ?, predicted_cpu_seconds = ?,
+                   audited = ?, unaudited = ?, refused = ?,
+                   photons_per_second = iif(state = 'RUNNING', ?, 0), ran_seconds = ?, tiles_done = ?,
+                   tiles_failed = ?, predicted_end = ?, predicted_cpu_seconds = ?,
                    out_of_reach = iif(state = 'RUNNING', ?, ''), floating_point_profile = ?,
                    sequence = sequence + 1
                WHERE id = ? AND state IN ('QUEUED', 'RUNNING', 'PAUSED')""",
@@ -64,6 +65,7 @@ class Commits:
                 commit.photon_bundles,
                 totals.cpu_seconds,
                 totals.audited,
+                totals.unaudited,
                 totals.refused,
                 commit.photons_per_second,
                 commit.ran_seconds,

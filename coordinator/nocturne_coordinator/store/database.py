@@ -84,6 +84,16 @@ class Database:
                     self._connection.execute("ROLLBACK")
                 raise
 
+    @contextmanager
+    def snapshot(self) -> Iterator[None]:
+        """All that is read inside is of one moment; nobody waits for it."""
+        with self._lock:
+            self._connection.execute("BEGIN")
+            try:
+                yield
+            finally:
+                self._connection.execute("ROLLBACK")
+
     def execute(self, statement: str, values: tuple[Any, ...] | dict[str, Any] = ()) -> int:
         """Executes one statement, outside a transaction durably; gives the number of rows it changed."""
         with self._lock:

@@ -9,6 +9,7 @@ _TOGETHER: Mapping[str, Callable[[Iterable[float]], float]] = {
     "coordinator_seen": max,
     "folder_trouble": max,
     "worker_threads": max,
+    "machines": max,
     "job_seconds": max,
     "result_seconds": max,
     "redis_in_step": min,

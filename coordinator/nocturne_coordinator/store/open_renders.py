@@ -16,8 +16,8 @@ from nocturne_coordinator.store.layers import LAYERS_DUE
 from nocturne_coordinator.store.leases import Leases
 
 _COLUMNS = f"""id, state, scene_sha256, engine, schedule, photons, rays, invalid_samples, truncated_paths,
-    cpu_seconds, audited, refused, stop, priority, owner, ran_seconds, look_first, floating_point_profile,
-    layers_sha256, {LAYERS_DUE} AS layers_due,
+    cpu_seconds, audited, unaudited, refused, stop, priority, owner, ran_seconds, look_first,
+    floating_point_profile, layers_sha256, {LAYERS_DUE} AS layers_due,
     EXISTS (SELECT 1 FROM failed_tile WHERE render_id = render.id) AS has_failed_tiles,
     coalesce((SELECT weight FROM token WHERE token.name = render.owner), 100) AS owner_weight,
     coalesce((SELECT fence FROM lease WHERE lease.render_id = render.id), 0) AS fence,
@@ -51,7 +51,7 @@ class OpenRenders:
                 ORDER BY priority DESC, number""",  # noqa: S608
             (limits.MAX_NEXT_OF_OWNER,),
         )
-        return [self._open_render(row) for row in rows]
+        return [_open_render(self._database, row) for row in rows]
 
     def ended_without_image(self) -> list[OpenRender]:
         """Those that ended, or pause, while their images do not show all that was committed, and layers are
@@ -62,7 +62,7 @@ class OpenRenders:
                 WHERE image_final = 0 AND state NOT IN ('QUEUED', 'RUNNING') AND NOT ({LAYERS_DUE})
                 ORDER BY +number"""  # noqa: S608
         )
-        return [self._open_render(row) for row in rows]
+        return [_open_render(self._database, row) for row in rows]
 
     def is_open(self, render_id: str) -> bool:
         """Whether some coordinator works on the render, or is to."""
@@ -82,64 +82,76 @@ class OpenRenders:
             self._leases.take(render_id)
             row = self._database.row(f"SELECT {_COLUMNS} FROM render WHERE id = ?", (render_id,))  # noqa: S608
             assert row is not None  # noqa: S101 - it was there in the same transaction
-            return self._open_render(row)
+            return _open_render(self._database, row)
 
     def tiles(self, render_id: str) -> Iterator[TileRow]:
-        """The committed tiles, one after the other: all at once may be gigabytes. Last ones first: forward
-        photons are counted after the last."""
-        indices = self._database.rows(
-            "SELECT tile_index FROM tile WHERE render_id = ? ORDER BY tile_index DESC", (render_id,)
-        )
-        for index in indices:
-            row = self._database.row(
-                """SELECT tile_index, samples, sums, invalid_samples, error_before, own, photons FROM tile
-                   WHERE render_id = ? AND tile_index = ?""",
-                (render_id, index["tile_index"]),
-            )
-            if row is not None:
-                yield TileRow(**dict(row))
+        """See tiles_of."""
+        return tiles_of(self._database, render_id)
 
-    def _open_render(self, row: sqlite3.Row) -> OpenRender:
-        return OpenRender(
-            id=row["id"],
-            state=RenderState(row["state"]),
-            schedule=job_pb2.RangeSchedule.FromString(row["schedule"]),
-            scene_sha256=row["scene_sha256"],
-            engine=row["engine"],
-            totals=Totals(
-                photons=row["photons"],
-                rays=row["rays"],
-                invalid_samples=row["invalid_samples"],
-                truncated_paths=row["truncated_paths"],
-                cpu_seconds=row["cpu_seconds"],
-                audited=row["audited"],
-                refused=row["refused"],
-            ),
-            stop=StopConditions.from_json(row["stop"]),
-            priority=row["priority"],
-            owner=row["owner"],
-            owner_weight=row["owner_weight"],
-            ran_seconds=row["ran_seconds"],
-            holder=row["holder"],
-            fence=row["fence"],
-            look_first=Region.from_json(row["look_first"]) if row["look_first"] else None,
-            floating_point_profile=row["floating_point_profile"],
-            layers_sha256=row["layers_sha256"],
-            layers_due=bool(row["layers_due"]),
-            failed_tiles=self._failed_tiles(row["id"]) if row["has_failed_tiles"] else (),
-        )
 
-    def _failed_tiles(self, render_id: str) -> tuple[FailedTile, ...]:
-        rows = self._database.rows(
-            "SELECT * FROM failed_tile WHERE render_id = ? ORDER BY tile_index", (render_id,)
+def find_render(database: Database, render_id: str) -> OpenRender | None:
+    """A render as it is; None: there is none."""
+    row = database.row(f"SELECT {_COLUMNS} FROM render WHERE id = ?", (render_id,))  # noqa: S608
+    return None if row is None else _open_render(database, row)
+
+
+def tiles_of(database: Database, render_id: str) -> Iterator[TileRow]:
+    """The committed tiles, one after the other: all at once may be gigabytes. Last ones first: forward
+    photons are counted after the last."""
+    indices = database.rows(
+        "SELECT tile_index FROM tile WHERE render_id = ? ORDER BY tile_index DESC", (render_id,)
+    )
+    for index in indices:
+        row = database.row(
+            """SELECT tile_index, samples, sums, invalid_samples, error_before, own, photons FROM tile
+               WHERE render_id = ? AND tile_index = ?""",
+            (render_id, index["tile_index"]),
         )
-        return tuple(
-            FailedTile(
-                row["tile_index"],
-                row["first_sample"],
-                row["end_sample"],
-                row["reason"],
-                tuple(json.loads(row["workers"])),
-            )
-            for row in rows
+        if row is not None:
+            yield TileRow(**dict(row))
+
+
+def _open_render(database: Database, row: sqlite3.Row) -> OpenRender:
+    return OpenRender(
+        id=row["id"],
+        state=RenderState(row["state"]),
+        schedule=job_pb2.RangeSchedule.FromString(row["schedule"]),
+        scene_sha256=row["scene_sha256"],
+        engine=row["engine"],
+        totals=Totals(
+            photons=row["photons"],
+            rays=row["rays"],
+            invalid_samples=row["invalid_samples"],
+            truncated_paths=row["truncated_paths"],
+            cpu_seconds=row["cpu_seconds"],
+            audited=row["audited"],
+            unaudited=row["unaudited"],
+            refused=row["refused"],
+        ),
+        stop=StopConditions.from_json(row["stop"]),
+        priority=row["priority"],
+        owner=row["owner"],
+        owner_weight=row["owner_weight"],
+        ran_seconds=row["ran_seconds"],
+        holder=row["holder"],
+        fence=row["fence"],
+        look_first=Region.from_json(row["look_first"]) if row["look_first"] else None,
+        floating_point_profile=row["floating_point_profile"],
+        layers_sha256=row["layers_sha256"],
+        layers_due=bool(row["layers_due"]),
+        failed_tiles=_failed_tiles(database, row["id"]) if row["has_failed_tiles"] else (),
+    )
+
+
+def _failed_tiles(database: Database, render_id: str) -> tuple[FailedTile, ...]:
+    rows = database.rows("SELECT * FROM failed_tile WHERE render_id = ? ORDER BY tile_index", (render_id,))
+    return tuple(
+        FailedTile(
+            row["tile_index"],
+            row["first_sample"],
+            row["end_sample"],
+            row["reason"],
+            tuple(json.loads(row["workers"])),
         )
+        for row in rows
+    )

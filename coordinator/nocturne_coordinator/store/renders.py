@@ -19,14 +19,16 @@ from nocturne_scene.render_warnings import RenderWarning
 from nocturne_scene.tile_sums import numbers_in
 
 from nocturne_coordinator import limits
+from nocturne_coordinator.dispatch.job_cost import USUAL_COST
 from nocturne_coordinator.dispatch.records import ErrorPoint, RenderState
 from nocturne_coordinator.dispatch.stopping import StopConditions, check_tile_samples
 from nocturne_coordinator.errors import AmbiguousId, Conflict, FilesGone
 from nocturne_coordinator.store.blob_use import BlobUse
 from nocturne_coordinator.store.database import Database
+from nocturne_coordinator.store.groups import WAITS
 from nocturne_coordinator.store.layers import layers_bytes
 from nocturne_coordinator.store.quotas import NO_QUOTA, Quota, check_quota
-from nocturne_coordinator.store.rows import MergedTotals, NewRender, RenderRow
+from nocturne_coordinator.store.rows import NewRender, RenderRow
 from nocturne_coordinator.store.tags import SEARCHED, TAGGED, words_of
 
 # Columns that have another name than the field.
@@ -275,15 +277,24 @@ class Renders:
         )
         return int(row["open"] or 0) if row is not None else 0
 
-    def totals(self) -> MergedTotals:
-        """Merged samples of all renders, and their cost."""
+    def open_cpu_seconds(self) -> float:
+        """Processor seconds that queued and running renders should still need, but for those that wait for
+        others: by their forecast, or by what a sample cost so far in all renders."""
+        counted = self.counted()
+        known = counted["samples"] and counted["cpu_seconds"] / counted["samples"]
         row = self._database.row(
-            "SELECT sum(photons / photons_per_sample) AS samples, sum(rays) AS rays, "
-            "sum(cpu_seconds) AS cpu FROM render"
+            f"""SELECT total(max(0.0, iif(predicted_cpu_seconds > 0.0, predicted_cpu_seconds - cpu_seconds,
+                    iif(?1 > 0.0, ?1, ?2 * photons_per_sample)
+                    * (1.0 * width * height * samples - 1.0 * photons / photons_per_sample)))) AS open
+                FROM render WHERE state IN ('QUEUED', 'RUNNING') AND NOT ({WAITS})""",  # noqa: S608
+            (known, USUAL_COST),
         )
-        if row is None:
-            return MergedTotals(0, 0, 0.0)
-        return MergedTotals(int(row["samples"] or 0), int(row["rays"] or 0), float(row["cpu"] or 0.0))
+        return float(row["open"]) if row is not None else 0.0
+
+    def counted(self) -> dict[str, float]:
+        """What was ever merged, and how renders ended: also of those that were deleted or traced anew."""
+        rows = self._database.rows("SELECT name, value FROM counted")
+        return {row["name"]: row["value"] for row in rows}
 
 
 def _render_row(row: sqlite3.Row) -> RenderRow:

@@ -125,6 +125,8 @@ class RenderRow:
     tiles_failed: int
     audited: int
     """Ranges that were traced again elsewhere and were the same."""
+    unaudited: int
+    """Ranges that were to be audited, and that no other machine traced."""
     refused: int
     """Results that could not be right."""
     predicted_end: float
@@ -172,12 +174,3 @@ class RatePoint:
     unix_time: float
     threads: int
     rays_per_second: float
-
-
-@dataclass(frozen=True, slots=True)
-class MergedTotals:
-    """Merged samples of all renders, and the workers' processor time for it in seconds."""
-
-    samples: int
-    rays: int
-    cpu_seconds: float

@@ -132,6 +132,8 @@ class Progress:
     """Tiles that were given up after failing on several workers."""
     audited: int
     """Ranges that another worker traced again with the same result."""
+    unaudited: int
+    """Ranges that were chosen to be traced again, and that no other machine traced."""
     refused: int
     """Results that were refused because they could not be right."""
     predicted_end: float
@@ -469,6 +471,8 @@ class Worker:
     """"draining": it finishes the jobs in hand and gets no others; "drained": it has none any more, and
     can be stopped; empty: neither.
     """
+    unaudited: str
+    """Why none of its results is audited, a sentence; empty: another machine is there."""
 
 
 @dataclass(frozen=True)

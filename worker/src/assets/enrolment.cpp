@@ -16,7 +16,7 @@ constexpr std::chrono::milliseconds kLongestPause{2000};
 
 }  // namespace
 
-Enrolment enrol(const std::string& target, const std::string& authorities,
+Enrolment enrol(const std::string& target, const std::string& authorities, const std::string& node,
                 const std::function<void(std::chrono::milliseconds)>& pause) {
   const auto stub = v1::WorkerService::NewStub(service_channel(target, authorities));
   for (auto next = kShortestPause;; next = std::min(2 * next, kLongestPause)) {
@@ -24,7 +24,9 @@ Enrolment enrol(const std::string& target, const std::string& authorities,
     context.set_deadline(std::chrono::system_clock::now() + kDeadline);
     add_token(context);
     v1::Enrolment given;
-    const grpc::Status status = stub->Enrol(&context, v1::EnrolRequest(), &given);
+    v1::EnrolRequest asked;
+    asked.set_node(node);
+    const grpc::Status status = stub->Enrol(&context, asked, &given);
     if (status.ok()) {
       return {given.machine(), given.key(), given.redis_user(), given.redis_password()};
     }

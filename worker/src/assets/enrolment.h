@@ -16,9 +16,9 @@ struct Enrolment {
 };
 
 /// Asks until the service answers, `pause`ing between. `target` and `authorities` as of
-/// AssetSource; the token in NOCTURNE_TOKEN says which machine it is. Throws AssetError where the
-/// service refuses for good.
-Enrolment enrol(const std::string& target, const std::string& authorities,
+/// AssetSource; the token in NOCTURNE_TOKEN says whose machine it is, and `node` which one. Throws
+/// AssetError where the service refuses for good.
+Enrolment enrol(const std::string& target, const std::string& authorities, const std::string& node,
                 const std::function<void(std::chrono::milliseconds)>& pause);
 
 }  // namespace nocturne

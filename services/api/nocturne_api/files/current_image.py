@@ -6,7 +6,7 @@ import numpy as np
 from nocturne.v1 import job_pb2
 from nocturne_coordinator.dispatch.error_estimate import Squares
 from nocturne_coordinator.output.images import Provenance, manifest_text, write_image
-from nocturne_coordinator.output.previews import schedule_json
+from nocturne_coordinator.output.pictures import schedule_json
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.rows import RenderRow, TileChange
 from nocturne_scene.errors import NotFound

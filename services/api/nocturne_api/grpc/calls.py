@@ -67,7 +67,7 @@ def calls_of(operations: Operations) -> dict[str, Call]:
         "BatchMissing": lambda asked: assets.missing([*asked.sha256]),
         "Upload": lambda asked: _upload(assets, asked),
         "Fetch": lambda asked: _fetch(assets, asked.sha256),
-        "Enrol": lambda _: operations.machines.enrol(),
+        "Enrol": lambda asked: operations.machines.enrol(asked.node),
     }
 
 

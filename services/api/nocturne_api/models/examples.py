@@ -158,6 +158,7 @@ RENDER: dict[str, Any] = {
         "tiles": 300,
         "tiles_failed": 0,
         "audited": 12,
+        "unaudited": 1,
         "refused": 0,
         "predicted_end": 1795305900.0,
         "predicted_cpu_seconds": 2000.0,
@@ -232,6 +233,7 @@ WORKER: dict[str, Any] = {
     "started": 1795305000.0,
     "quarantine": "",
     "drain": "",
+    "unaudited": "",
     "floating_point_profile": "x86-64-avx2",
     "incompatible": "",
 }

@@ -59,6 +59,9 @@ class Progress(Answer):
     tiles: int = Field(description="Tiles of the film.")
     tiles_failed: int = Field(description="Tiles that were given up after failing on several workers.")
     audited: int = Field(description="Ranges that another worker traced again with the same result.")
+    unaudited: int = Field(
+        description="Ranges that were chosen to be traced again, and that no other machine traced."
+    )
     refused: int = Field(description="Results that were refused because they could not be right.")
     predicted_end: float = Field(
         description="Unix time at which the render should end, from its rate and error so far; 0: unknown."

@@ -35,13 +35,20 @@ class Worker(Answer):
         "more, and can be stopped; empty: neither."
     )
 
+    unaudited: str = Field(
+        description="Why none of its results is audited, a sentence; empty: another machine is there."
+    )
+
     @classmethod
-    def of(cls, row: WorkerRow, quarantine: str, incompatible: str, drain: str = "") -> Self:
+    def of(
+        cls, row: WorkerRow, quarantine: str, incompatible: str, drain: str = "", unaudited: str = ""
+    ) -> Self:
         """The public side of a row of the data folder."""
-        other = {"quarantine", "incompatible", "drain"}
+        other = {"quarantine", "incompatible", "drain", "unaudited"}
         return cls(
             quarantine=quarantine,
             drain=drain,
+            unaudited=unaudited,
             incompatible=incompatible,
             **{name: getattr(row, name) for name in cls.model_fields.keys() - other},
         )

@@ -16,6 +16,7 @@ _METERS = {
     "redis_in_step": "1 while the coordinator knows what is on the streams.",
     "folder_trouble": "1 while the coordinator can't commit.",
     "worker_threads": "Threads of workers that take jobs.",
+    "machines": "Most machines that work and round alike: with one, nothing is audited.",
     "jobs_in_flight": "Jobs published and not merged.",
     "jobs_published": "Jobs on the stream.",
     "results_waiting": "Results on the stream that are not committed.",
@@ -26,10 +27,14 @@ _COUNTS = {
     "results_refused": "Results that could not be right, since the coordinator started.",
     "audits_agreed": "Jobs traced twice with the same result, since the coordinator started.",
     "audits_differing": "Jobs traced twice with different results, since the coordinator started.",
-    "audits_given_up": "Jobs that nobody else was there to trace again, since the coordinator started.",
+    "audits_given_up": "Jobs to audit that no other machine traced, since the coordinator started.",
 }
 
-
+_WORK = {
+    "samples": "Samples merged, of all renders, deleted ones too.",
+    "rays": "Rays traced for them.",
+    "cpu_seconds": "Processor time of workers, of all renders, deleted ones too.",
+}
 _SPACE = {
     "data_bytes": "Size of the data folder when it was last looked at.",
     "data_bytes_bound": "Size at which it takes no more uploads and renders; 0: none.",
@@ -59,14 +64,19 @@ class _Collector:
         for state in RenderState:
             states.add_metric([state.value], counted.get(state.value, 0))
         yield states
-        backlog = "Ranges of queued and running renders that are not merged: what to scale workers by."
+        backlog = "Ranges of queued and running renders that are not merged."
         yield GaugeMetricFamily("nocturne_backlog_ranges", backlog, value=self._folder.renders.backlog())
-        totals = self._folder.renders.totals()
-        yield CounterMetricFamily("nocturne_samples", "Samples merged, of all renders.", value=totals.samples)
-        yield CounterMetricFamily("nocturne_rays", "Rays traced for them.", value=totals.rays)
-        yield CounterMetricFamily(
-            "nocturne_cpu_seconds", "Processor time of workers, of all renders.", value=totals.cpu_seconds
-        )
+        open_work = "Processor seconds that queued and running renders should need: what to scale workers by."
+        value = self._folder.renders.open_cpu_seconds()
+        yield GaugeMetricFamily("nocturne_open_cpu_seconds", open_work, value=value)
+        done = self._folder.renders.counted()
+        for name, about in _WORK.items():
+            yield CounterMetricFamily(f"nocturne_{name}", about, value=done.get(name, 0.0))
+        ended = CounterMetricFamily("nocturne_renders_ended", "Renders that ended.", labels=["state"])
+        for state in RenderState:
+            if state.ended:
+                ended.add_metric([state.value], done.get(f"ended_{state.value}", 0.0))
+        yield ended
 
     def _workers(self) -> Iterator[Metric]:
         workers, quarantined = self._folder.workers.alive(), self._folder.workers.in_quarantine()

@@ -8,7 +8,7 @@ import zipfile
 from collections.abc import Callable
 from pathlib import Path
 
-from nocturne_coordinator.output.previews import layers_of
+from nocturne_coordinator.output.pictures import layers_of
 from nocturne_coordinator.store.render_log import log_of
 from nocturne_scene.errors import NotFound
 from nocturne_scene.limits import MAX_RANGES

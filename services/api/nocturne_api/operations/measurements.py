@@ -9,7 +9,7 @@ from functools import partial
 import numpy as np
 from nocturne.v1 import scene_pb2
 from nocturne_coordinator.dispatch.region import Region
-from nocturne_coordinator.output.previews import layers_of
+from nocturne_coordinator.output.pictures import layers_of
 from nocturne_scene.errors import InputError, NotFound
 from nocturne_scene.layers import CHANNELS
 from nocturne_scene.layers import Values as LayerValues

@@ -6,11 +6,12 @@ from dataclasses import dataclass
 from nocturne.v1 import job_pb2
 from nocturne_coordinator.dispatch.profiles import machines_by_profile
 from nocturne_coordinator.dispatch.records import RenderState, WorkerRow
-from nocturne_coordinator.enrolment import machine_of
-from nocturne_coordinator.limits import MAX_RUNNING, WORKER_SECONDS
+from nocturne_coordinator.enrolment import machine_of, reason_of
+from nocturne_coordinator.limits import MAX_RUNNING, MAX_RUNNING_SUMS, WORKER_SECONDS
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.groups import Groups
 from nocturne_coordinator.store.rows import RenderRow
+from nocturne_scene.tile_sums import sums_per_pixel
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,8 @@ def _trouble(situation: Situation, now: float) -> str:
     if not meters.get("redis_in_step"):
         return "The coordinator can't reach Redis; its log has the reason."
     engines = {worker.engine for worker in situation.workers}
-    able = [worker for worker in situation.workers if machine_of(worker.id) not in situation.quarantined]
+    quarantined = situation.quarantined
+    able = [worker for worker in situation.workers if not reason_of(machine_of(worker.id), quarantined)]
     if not engines:
         return "No worker is there."
     if not able:
@@ -97,6 +99,9 @@ def _queued(situation: Situation) -> str:
             f"It waits until one of {situation.running} running renders ends; then the owner with fewest at "
             "work goes first, with the highest of its priorities."
         )
+    render = situation.render
+    if situation.running and render.width * render.height * sums_per_pixel(0) > MAX_RUNNING_SUMS:
+        return "Its film is so large that only one such render runs at a time: it waits for that to end."
     if situation.running:
         return "It waits for memory that running renders use, or is about to start."
     return "It is about to start."
@@ -122,7 +127,16 @@ def _running(situation: Situation, now: float) -> str:
     others = f" {_counted(kept, 'worker')} {get} no jobs; `nocturne workers` says why." if kept else ""
     beside = situation.running - 1
     shared = f"shared with {_counted(beside, 'other render')}" if beside else "alone"
-    return f"It is running on {_counted(threads, 'worker thread')}, {shared}.{others}{end}"
+    running = f"It is running on {_counted(threads, 'worker thread')}, {shared}."
+    return f"{running}{others}{end}{_unaudited(situation)}"
+
+
+def _unaudited(situation: Situation) -> str:
+    machines = machines_by_profile(situation.workers, situation.quarantined)
+    needed = situation.render.floating_point_profile
+    if (machines[needed] if needed else max(machines.values(), default=0)) > 1:
+        return ""
+    return " None of its ranges is audited: no second machine is there that could."
 
 
 def _counted(number: int, name: str) -> str:

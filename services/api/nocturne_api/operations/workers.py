@@ -1,6 +1,7 @@
 """Workers: who is there, draining them, the machines that they run on, and who uses them."""
 
-from nocturne_coordinator.enrolment import machine_of, redis_password, redis_user
+from nocturne_coordinator.dispatch.profiles import unaudited
+from nocturne_coordinator.enrolment import machine_of, reason_of, redis_password, redis_user
 from nocturne_coordinator.store.usage import UsageOfOwners
 from nocturne_scene.errors import InputError
 
@@ -39,14 +40,16 @@ class Workers:
                 folder.workers.drained(),
             )
         )
+        alone = unaudited(rows, quarantined)
         words = {worker: "drained" if done else "draining" for worker, done in drained.items()}
         return WorkerList(
             workers=[
                 Worker.of(
                     row,
-                    quarantined.get(machine_of(row.id), ""),
+                    reason_of(machine_of(row.id), quarantined),
                     incompatible.get(row.id, ""),
                     words.get(row.id, ""),
+                    alone.get(row.id, ""),
                 )
                 for row in rows
             ]
@@ -85,24 +88,26 @@ class Workers:
 
 
 class Machines:
-    """Those of one data folder, each known by a token."""
+    """Those of one data folder, known by a token and below it by the names of nodes."""
 
     def __init__(self, access: FolderAccess) -> None:
         self._access = access
 
-    async def enrol(self) -> Enrolment:
-        """Makes the caller's machine one of the service's, or gives the same answer as before. Raises
-        InputError."""
+    async def enrol(self, node: str) -> Enrolment:
+        """Makes the caller's machine one of the service's, or gives the same answer as before; `node` tells
+        apart those that have one token. Raises InputError."""
         caller = CALLER.get()
         caller.need("worker")
         if not caller.name:
             raise InputError.at("token", "a machine enrols with a token of its own")
-        async with self._access.recorded(f"enrol {caller.name}"):
-            key = await self._access.in_database(self._access.folder.machines.enrol, caller.name)
+        async with self._access.recorded(f"enrol {caller.name} {node[:80]}".rstrip()):
+            machine, key = await self._access.in_database(
+                self._access.folder.machines.enrol, caller.name, node
+            )
         return Enrolment(
-            machine=caller.name,
+            machine=machine,
             key=key,
-            redis_user=redis_user(caller.name),
+            redis_user=redis_user(machine),
             redis_password=redis_password(key),
         )
 

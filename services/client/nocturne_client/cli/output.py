@@ -81,13 +81,18 @@ def print_render(render: Render, as_json: bool, price: Usage | None = None) -> N
         *([("out of reach", render.out_of_reach)] if render.out_of_reach else []),
         *([("tags", ", ".join(render.tags))] if render.tags else []),
         ("priority", f"{render.priority}" + (f", for {render.owner}" if render.owner else "")),
-        ("audited", f"{progress.audited:,} ranges; results refused: {progress.refused:,}"),
+        ("audited", _audited(progress)),
         ("scene", render.scene_sha256),
         ("engine", f"{render.engine}"),
         ("floating-point profile", render.floating_point_profile or "not known yet"),
     ):
         table.add_row(f"[dim]{name}[/]", escape(text))
     CONSOLE.print(table)
+
+
+def _audited(progress: Progress) -> str:
+    missing = f", not {progress.unaudited:,}: no other machine was there" if progress.unaudited else ""
+    return f"{progress.audited:,} ranges{missing}; results refused: {progress.refused:,}"
 
 
 def _processor_time(progress: Progress, price: Usage | None) -> str:
@@ -205,6 +210,9 @@ def print_workers(workers: list[Worker], as_json: bool) -> None:
             escape(_no_jobs(worker)),
         )
     _print_table(table, [worker.id for worker in workers], "no worker was heard of in the last ten seconds")
+    for worker in workers:
+        if worker.unaudited:
+            CONSOLE.print(escape(f"{worker.id}: {worker.unaudited}"))
 
 
 def _no_jobs(worker: Worker) -> str:
