@@ -89,6 +89,9 @@ class Checkpointer:
         self._place = place
         self._seconds = seconds
         inside = place.resolve().is_relative_to(data.resolve())
+        if not inside:
+            # With the same secrets; a folder that is there already has the rights that somebody gave it.
+            place.mkdir(mode=0o700, parents=True, exist_ok=True)
         self._blobs = None if inside else (BlobStore(data / "blobs"), BlobStore(place / "blobs"))
         self._seen: tuple[Any, ...] = ()
 
@@ -109,7 +112,7 @@ class Checkpointer:
             state = _state(source)
             if state == self._seen:
                 return None
-            self._place.mkdir(parents=True, exist_ok=True)
+            self._place.mkdir(mode=0o700, exist_ok=True)
             # Before the database: the files it refers to are there.
             self._copy_blobs()
             made = self._copy(source)

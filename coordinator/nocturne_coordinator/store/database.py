@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from nocturne_coordinator.errors import UnusableFolder
+from nocturne_coordinator.errors import FolderGone, UnusableFolder
 from nocturne_coordinator.store.migrate import migrate
 
 # A tile is 75 KiB: with pages of 16 KiB it is five of them, not nineteen.
@@ -22,11 +22,15 @@ class Database:
 
     def __init__(self, path: Path) -> None:
         """Opens or creates the file; UnusableFolder if another version wrote it, or if it is damaged."""
+        self._path = path
+        self._file: tuple[int, int] | None = None
         self._lock = threading.RLock()
         self._durable: bool | None = None
         self._connection = sqlite3.connect(path, isolation_level=None, check_same_thread=False)
         try:
             self._prepare(path)
+            # One in memory has no file.
+            self._file = _identity(path) if path.exists() else None
         except BaseException as trouble:
             self._connection.close()
             # An operational error (full, locked, not to be written) passes; any other of SQLite's is damage.
@@ -73,6 +77,7 @@ class Database:
         end of any process, and does not wait for the disk: for work that can be done again.
         """
         with self._lock:
+            self.check_place()
             self._wait_for_disk(durable)
             self._connection.execute("BEGIN IMMEDIATE")
             try:
@@ -120,6 +125,26 @@ class Database:
             by_others: int = self._connection.execute("PRAGMA data_version").fetchone()[0]
             return by_others + self._connection.total_changes
 
+    def check_place(self) -> None:
+        """Raises FolderGone where the open file is not that of its path any more: what is written into it
+        would not be found again. Microseconds."""
+        if self._file is None:
+            return
+        try:
+            is_here = _identity(self._path) == self._file
+        except OSError:
+            is_here = False
+        if not is_here:
+            raise FolderGone(
+                f"{self._path.parent} was moved away or replaced while the service works on it; move it "
+                "back, or start the service again"
+            )
+
     def close(self) -> None:
         with self._lock:
             self._connection.close()
+
+
+def _identity(path: Path) -> tuple[int, int]:
+    status = path.stat()
+    return status.st_dev, status.st_ino

@@ -123,11 +123,11 @@ TABLE: tuple[tuple[type[Exception], Kind], ...] = (
     (Overloaded, Kind("OVERLOADED", "Too much at once", 503, grpc.StatusCode.UNAVAILABLE, 5)),
     (
         ObjectStoreUnavailable,
-        Kind("STORE", "The storage does not answer", 503, grpc.StatusCode.UNAVAILABLE),
+        Kind("STORE", "The storage does not answer", 503, grpc.StatusCode.UNAVAILABLE, 5),
     ),
     (
         sqlite3.OperationalError,
-        Kind("STORE", "The storage does not answer", 503, grpc.StatusCode.UNAVAILABLE),
+        Kind("STORE", "The storage does not answer", 503, grpc.StatusCode.UNAVAILABLE, 5),
     ),
 )
 

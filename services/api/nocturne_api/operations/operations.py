@@ -95,6 +95,10 @@ class Operations:
             price or CoreHourPrice(),
         )
 
+    def check_folder(self) -> None:
+        """Raises FolderGone where the data folder was moved away or replaced. Microseconds."""
+        self._access.folder.check_place()
+
     async def identify(self, secret: str) -> Caller:
         """Who has the token with this secret; raises Unauthenticated."""
         return caller_of(await self._access.in_database(self._access.folder.tokens.find, secret))

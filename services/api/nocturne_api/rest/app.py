@@ -65,7 +65,7 @@ def build_rest(operations: Operations, web: Path, loopback_only: bool, authentic
     app.state.operations = operations
     app.state.page = app.router.default = page.Page(web)
     identify = operations.identify if authenticate else None
-    return LingeringMiddleware(SecurityMiddleware(app, loopback_only, identify))
+    return LingeringMiddleware(SecurityMiddleware(app, loopback_only, identify, operations.check_folder))
 
 
 def _name_of(route: APIRoute) -> str:

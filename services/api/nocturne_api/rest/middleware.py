@@ -47,9 +47,17 @@ class SecurityMiddleware:
     `loopback_only`: the service is bound to this machine, so any Host but a loopback name is DNS rebinding.
     """
 
-    def __init__(self, app: ASGIApp, loopback_only: bool, identify: Identify | None = None) -> None:
-        """`identify` gives who has a secret; without it, anybody may do anything."""
+    def __init__(
+        self,
+        app: ASGIApp,
+        loopback_only: bool,
+        identify: Identify | None = None,
+        check_folder: Callable[[], None] = lambda: None,
+    ) -> None:
+        """`identify` gives who has a secret; without it, anybody may do anything. `check_folder` raises where
+        the data folder is gone."""
         self._app = app
+        self._check_folder = check_folder
         self._loopback_only = loopback_only
         self._authenticator = None if identify is None else Authenticator(identify)
 
@@ -67,15 +75,16 @@ class SecurityMiddleware:
 
         refusal = self._refusal(scope["method"], Headers(scope=scope))
         app = response_of(failure_of(Refused(refusal))) if refusal else self._app
-        if app is self._app and self._authenticator is not None and _needs_token(scope["path"]):
+        if app is self._app and _needs_token(scope["path"]):
             address = scope["client"][0] if scope.get("client") else ""
             try:
-                caller = await self._authenticator.authenticate(_secret(Headers(scope=scope)), address)
+                self._check_folder()
+                if self._authenticator is not None:
+                    secret = _secret(Headers(scope=scope))
+                    CALLER.set(await self._authenticator.authenticate(secret, address))
             except Exception as error:
                 headers = _challenge(Headers(scope=scope)) if isinstance(error, Unauthenticated) else None
                 app = response_of(failure_of(error), headers)
-            else:
-                CALLER.set(caller)
         await app(scope, receive, send_with_headers)
 
     def _refusal(self, method: str, headers: Headers) -> str:

@@ -16,6 +16,8 @@ from pathlib import Path
 from types import FrameType
 
 from nocturne_coordinator.socket_folder import socket_folder
+from nocturne_coordinator.store.privacy import make_private
+from nocturne_scene.errors import NocturneError
 from nocturne_scene.replacing import replacing
 from rich.markup import escape
 from rich.panel import Panel
@@ -192,7 +194,8 @@ def _redis_command(path: Path) -> list[str]:
 
 def _make_folder(data: Path) -> None:
     """Tries a piece that a start needs: a full disk is reported before anything is begun."""
-    data.mkdir(parents=True, exist_ok=True)
+    data.mkdir(mode=0o700, parents=True, exist_ok=True)
+    make_private(data)
     with tempfile.TemporaryFile(dir=data) as probe:
         probe.write(bytes(_PROBE_BYTES))
         probe.flush()
@@ -204,6 +207,8 @@ def _told(data: Path) -> Iterator[None]:
     """What the system refuses, in a sentence."""
     try:
         yield
+    except NocturneError as error:
+        raise NocturneClientError(str(error)) from error
     except OSError as error:
         raise NocturneClientError(
             f"{data} can't be written ({error.strerror or error}); see to its rights, make room on its disk, "
