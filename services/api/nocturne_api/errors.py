@@ -23,6 +23,10 @@ class Overloaded(NocturneError):
     """Too much is being asked at once; the same request can succeed later."""
 
 
+class FolderSlow(Overloaded):
+    """The data folder takes too long, and others wait for it too."""
+
+
 class Refused(NocturneError):
     """The request may not be made from where it comes."""
 

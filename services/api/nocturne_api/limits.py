@@ -74,6 +74,16 @@ NEARLY_FULL = 0.9
 UPLOADS_AT_ONCE = 128
 UPLOADS_OF_OWNER = 32
 
+# Threads that read the database beside each other. How long a call waits for one of them, or for its turn to
+# write, and then for another process that writes, seconds: callers hear within both together that it is slow.
+READERS = 4
+DATABASE_TURN_S = 5.0
+DATABASE_LOCK_S = 3.0
+# How long /readyz waits for each thing, how long its answer holds, and how long coordinators may be silent.
+READY_WAIT_S = 2.0
+READY_KEPT_S = 1.0
+COORDINATOR_SILENT_S = 30.0
+
 # Kept lines of the record of who changed what.
 CALLS_RECORDED = 100_000
 RECORDED_CHARACTERS = 128

@@ -1,4 +1,4 @@
-"""Health: whether the data folder answers, and figures in the text format of Prometheus."""
+"""Health: figures in the text format of Prometheus."""
 
 from collections.abc import Iterator, Mapping
 
@@ -97,11 +97,3 @@ class Health:
         """Counts and states in the text format of Prometheus."""
         CALLER.get().need("read")
         return await self._access.in_database(metrics_text, self._access.folder, self._space.figures())
-
-    async def ready(self) -> bool:
-        """Whether the data folder answers."""
-        try:
-            await self._access.in_database(self._access.folder.change_counter)
-        except Exception:
-            return False
-        return True

@@ -145,9 +145,7 @@ class Renders:
             owner = CALLER.get().name
             whole_id = (await access.in_database(access.folder.renders.find, render_id, CALLER.get().sees)).id
             return Render.of(
-                await access.in_database(
-                    access.folder.requests.replay, whole_id, request_id, owner, access.quota
-                )
+                await access.writing(access.folder.requests.replay, whole_id, request_id, owner, access.quota)
             )
 
     async def baselines(self, render_id: str) -> Baselines:
@@ -186,6 +184,14 @@ class Renders:
         found = await self._access.in_database(self._access.folder.tiles.at_work, render.id)
         return TilesInProgress(tiles=[TileInProgress(tile=tile, worker=worker) for tile, worker in found])
 
+    def check_room(self) -> None:
+        """Raises FolderFull where a new render would find no room, Overloaded where too many wait already."""
+        self._space.check()
+        if self._waiting.total() >= limits.COMPILES_WAITING:
+            raise Overloaded(
+                f"{limits.COMPILES_WAITING} scenes are waiting to be compiled; try again in a moment."
+            )
+
     def _check_quota(self, first: Member, renders: int, owner: str, quota: Quota) -> None:
         """Before anything is compiled; who asks again gets what there is."""
         if self._access.folder.renders.find_request(owner, first.request_id) is None:
@@ -204,15 +210,12 @@ class Renders:
                     new.append(await asyncio.to_thread(compiled_member, *asked))
             # Files that were deleted in between are made again, or found missing by the compiler.
             with suppress(FilesGone):
-                return await access.in_database(access.folder.renders.create_all, new, access.quota)
+                return await access.writing(access.folder.renders.create_all, new, access.quota)
 
     @contextmanager
     def _waiting_for_compiler(self) -> Iterator[None]:
         owner = CALLER.get().name
-        if self._waiting.total() >= limits.COMPILES_WAITING:
-            raise Overloaded(
-                f"{limits.COMPILES_WAITING} scenes are waiting to be compiled; try again in a moment."
-            )
+        self.check_room()
         if owner and self._waiting[owner] >= limits.COMPILES_WAITING_OF_OWNER:
             raise TooMany(
                 f"{self._waiting[owner]} scenes of {owner} are being compiled; send them one by one"

@@ -141,7 +141,9 @@ class _Stack:
         self._redis.wait_until(lambda: stop.is_set() or redis_answers(self._redis_socket), _START_S)
         self._coordinator.start()
         self._api.start()
-        self._api.wait_until(lambda: stop.is_set() or api_answers(self._settings.port, "/readyz"), _START_S)
+        self._api.wait_until(
+            lambda: stop.is_set() or api_answers(self._settings.port, "/readyz?exclude=merging"), _START_S
+        )
         if not self._coordinator.is_alive():
             raise NocturneClientError(f"coordinator did not start. {self._coordinator.tail()}")
         for worker in self._workers:
