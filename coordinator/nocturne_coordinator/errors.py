@@ -4,7 +4,7 @@
 
 NocturneError, InputError and NotFound are of `nocturne_scene.errors`.
 
-FolderGone is an error of SQLite's as well: whoever gets over a database that can't be written gets over it.
+`FolderGone` of `store.database` is an error of SQLite's as well: who gets over those gets over it.
 
 NocturneError
 +-- Conflict        a request id was used before with other content
@@ -20,13 +20,11 @@ NocturneError
 +-- CantRestore     there is nothing whole to restore from
 +-- UnusableQueue   Redis is set up so that it loses messages
 +-- FolderTrouble   the data folder could not be read or written just now; it is tried again
-+-- FolderGone      the data folder was moved away, or replaced; nothing is read or written until it is back
 +-- QueueError      Redis could not be reached, or refused; it is tried again
 +-- ObjectStoreUnavailable  the object store can't be reached, or refuses
     +-- ObjectDamaged       its data differ from those that were stored
 """
 
-import sqlite3
 from pathlib import Path
 from typing import Self
 
@@ -92,10 +90,6 @@ class UnusableQueue(NocturneError):
 
 class FolderTrouble(NocturneError):
     """The data folder could not be read or written just now; the operation is tried again."""
-
-
-class FolderGone(NocturneError, sqlite3.OperationalError):
-    """The data folder was moved away, or another one is in its place."""
 
 
 class QueueError(NocturneError):

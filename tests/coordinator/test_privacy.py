@@ -6,8 +6,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from nocturne_coordinator.errors import FolderGone, UnusableFolder
+from nocturne_coordinator.errors import UnusableFolder
 from nocturne_coordinator.store.data_folder import DataFolder, make_folders
+from nocturne_coordinator.store.database import FolderGone
 
 _OPEN = """
 import os, sys

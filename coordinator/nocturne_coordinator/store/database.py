@@ -11,15 +11,20 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
+from nocturne_scene.errors import NocturneError
 from nocturne_scene.replacing import UNFINISHED
 
-from nocturne_coordinator.errors import FolderGone, UnusableFolder
+from nocturne_coordinator.errors import UnusableFolder
 from nocturne_coordinator.store.migrate import migrate
 
 # A tile is 75 KiB: with pages of 16 KiB it is five of them, not nineteen.
 _PAGE_BYTES = 16384
 _BUSY_MILLISECONDS = 30_000
 _AGAIN_SECONDS = 0.01
+
+
+class FolderGone(NocturneError, sqlite3.OperationalError):
+    """The data folder was moved away, or another one is in its place; it passes when the folder is back."""
 
 
 class Database:

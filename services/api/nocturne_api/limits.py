@@ -84,6 +84,9 @@ READY_WAIT_S = 2.0
 READY_KEPT_S = 1.0
 COORDINATOR_SILENT_S = 30.0
 
+# How often the files of the certificate are looked at: those who renew do so days before the end.
+CERTIFICATE_LOOK_S = 10.0
+
 # Kept lines of the record of who changed what.
 CALLS_RECORDED = 100_000
 RECORDED_CHARACTERS = 128
