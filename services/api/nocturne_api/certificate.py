@@ -50,7 +50,12 @@ class Certificate(Background):
             return grpc.ssl_server_certificate_configuration([seen])
 
         first = grpc.ssl_server_certificate_configuration([seen])
-        return grpc.dynamic_ssl_server_credentials(first, changed, require_client_authentication=False)
+        # The types say that there is always something new; gRPC itself says None for nothing.
+        return grpc.dynamic_ssl_server_credentials(
+            first,
+            changed,  # type: ignore[arg-type]
+            require_client_authentication=False,
+        )
 
     def reload(self) -> None:
         """Takes up what the files hold now; where that can't be used, what was there before goes on."""
