@@ -1,6 +1,5 @@
 """What a pilot learned of the light at a pixel, against Snell's law."""
 
-import asyncio
 import math
 from typing import Any
 
@@ -55,11 +54,11 @@ async def test_others_wait_and_nothing_hangs(
     rest: httpx.AsyncClient, guided: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     place = {"x": 1, "y": 1}
-    monkeypatch.setattr(pools, "_lookups", asyncio.Semaphore(0))
+    monkeypatch.setattr(pools, "_lookups", pools.Places(0, 0, "try again"))
     answer = await rest.get(guided, params=place)
     assert answer.status_code == 503
     assert "try again" in answer.json()["detail"]
-    monkeypatch.setattr(pools, "_lookups", asyncio.Semaphore(1))
+    monkeypatch.setattr(pools, "_lookups", pools.Places(1, 0, "try again"))
     monkeypatch.setattr(pools, "LEARNED_WALL_S", 1e-3)
     answer = await rest.get(guided, params=place)
     assert answer.status_code == 503

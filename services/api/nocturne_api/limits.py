@@ -46,8 +46,16 @@ PICTURE_PIXELS = 2**24
 PICTURE_MEMORY_BYTES = 4096 * MEBIBYTE
 PICTURE_WALL_S = 60.0
 PICTURES_AT_ONCE = 2
+PICTURES_WAITING = 8
+# Pictures on their way here, each a file; of one owner, with authentication; and how long one may take.
+PICTURES_COMING = 16
+PICTURES_OF_OWNER = 2
+PICTURE_COMES_S = 600.0
 
 DENOISE_WALL_S = 300.0
+# Callers that wait for a denoised image, and for the image of a render that goes on.
+DENOISES_WAITING = 8
+IMAGES_WAITING = 8
 
 # Measurements read an image's sums, row by row: seconds of a processor for a film of 4K.
 MEASUREMENTS_AT_ONCE = 2

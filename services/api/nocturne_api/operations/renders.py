@@ -5,6 +5,7 @@ import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
+from functools import partial
 
 from nocturne_coordinator.errors import FilesGone
 from nocturne_coordinator.limits import MAX_PAGE
@@ -38,6 +39,7 @@ from nocturne_api.operations.folder_access import FolderAccess
 from nocturne_api.operations.group_members import Member, Members
 from nocturne_api.operations.status_reason import sentence, situation_of
 from nocturne_api.operations.submission import compiled_member, raise_if, request_id_problems
+from nocturne_api.places import until_abandoned
 
 
 class Renders:
@@ -207,7 +209,7 @@ class Renders:
                 # Members of several groups, and single renders, in turn.
                 async with self._compiling:
                     asked = request, member, access.folder, owner, self._compile_limits
-                    new.append(await asyncio.to_thread(compiled_member, *asked))
+                    new.append(await until_abandoned(partial(compiled_member, *asked)))
             # Files that were deleted in between are made again, or found missing by the compiler.
             with suppress(FilesGone):
                 return await access.writing(access.folder.renders.create_all, new, access.quota)

@@ -26,7 +26,7 @@ from nocturne_api.rest import (
 )
 from nocturne_api.rest.contract import DescribedApp, errors
 from nocturne_api.rest.middleware import SecurityMiddleware
-from nocturne_api.rest.protocol import LingeringMiddleware
+from nocturne_api.rest.protocol import LeavingMiddleware, LingeringMiddleware
 
 _ROUTERS = (
     renders,
@@ -65,7 +65,8 @@ def build_rest(operations: Operations, web: Path, loopback_only: bool, authentic
     app.state.operations = operations
     app.state.page = app.router.default = page.Page(web)
     identify = operations.identify if authenticate else None
-    return LingeringMiddleware(SecurityMiddleware(app, loopback_only, identify, operations.check_folder))
+    guarded = SecurityMiddleware(app, loopback_only, identify, operations.check_folder)
+    return LingeringMiddleware(LeavingMiddleware(guarded))
 
 
 def _name_of(route: APIRoute) -> str:
