@@ -56,7 +56,7 @@ async def test_creates_with_a_short_deadline(
     for number in range(8):
         request = render_service_pb2.CreateRenderRequest(
             request_id=f"r-{number}",
-            scene_json=json.dumps(slow(scene, number)).encode(),
+            scene_json=json.dumps(slow(scene, number)),
             width=8,
             height=8,
             samples=1,

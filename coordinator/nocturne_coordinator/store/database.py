@@ -71,6 +71,8 @@ class Database:
     def _connect(self) -> sqlite3.Connection:
         connection = sqlite3.connect(self._path, isolation_level=None, check_same_thread=False)
         connection.row_factory = sqlite3.Row
+        # SQLite's own lower() knows the letters A to Z alone.
+        connection.create_function("casefold", 1, str.casefold, deterministic=True)
         return connection
 
     def read_beside(self, wait_seconds: float) -> None:
