@@ -95,6 +95,10 @@ COORDINATOR_SILENT_S = 30.0
 # How often the files of the certificate are looked at: those who renew do so days before the end.
 CERTIFICATE_LOOK_S = 10.0
 
+# Sessions of the page that are remembered, and how long one is good for.
+SESSIONS = 10_000
+SESSION_SECONDS = 7 * 86400.0
+
 # Kept lines of the record of who changed what.
 CALLS_RECORDED = 100_000
 RECORDED_CHARACTERS = 128

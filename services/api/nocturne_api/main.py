@@ -74,6 +74,12 @@ def _settings() -> Settings:
         default=CompileLimits.cpu_seconds,
         help="processor time that compiling one scene may take (default: %(default)s)",
     )
+    parser.add_argument(
+        "--behind-proxy",
+        action="store_true",
+        help="believe X-Forwarded-Proto and -For of a proxy before REST: the page's cookie is Secure where "
+        "that speaks https, and bounds of addresses are its callers'; only where nobody else reaches the port",
+    )
     _add_quotas(parser)
     _add_storage(parser)
     parser.add_argument(

@@ -39,6 +39,8 @@ class Settings:
     any_address: bool = False
     auth: bool = False
     """Callers need a token."""
+    behind_proxy: bool = False
+    """A proxy asks, whose X-Forwarded-Proto and -For are believed."""
     tls_certificate: Path | None = None
     tls_key: Path | None = None
     compile_memory_bytes: int = CompileLimits.memory_bytes
@@ -92,6 +94,9 @@ class Service:
             access_log=False,
             limit_concurrency=limits.REST_CONNECTIONS,
             server_header=False,
+            # Uvicorn believes whoever asks from this machine, unless it is told not to.
+            proxy_headers=settings.behind_proxy,
+            forwarded_allow_ips="*",
             timeout_graceful_shutdown=int(_GRACE_S),
             lifespan="off",
         )
