@@ -78,7 +78,7 @@ def _settings() -> Settings:
         "--behind-proxy",
         action="store_true",
         help="believe X-Forwarded-Proto and -For of a proxy before REST: the page's cookie is Secure where "
-        "that speaks https, and bounds of addresses are its callers'; only where nobody else reaches the port",
+        "that speaks https, and addresses are its callers'; only where nobody else reaches the port",
     )
     _add_quotas(parser)
     _add_storage(parser)

@@ -9,7 +9,7 @@ import sys
 import tempfile
 import threading
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -24,6 +24,7 @@ from rich.panel import Panel
 
 from nocturne_client.console import CONSOLE, ERRORS
 from nocturne_client.errors import NocturneClientError
+from nocturne_client.local import kept_logs
 from nocturne_client.local.children import Child
 from nocturne_client.local.probes import api_answers, is_fresh, redis_answers, worker_is_heard_of
 from nocturne_client.local.programs import need_program
@@ -91,7 +92,7 @@ class _Stack:
         self._logs = settings.data / "logs"
         self._logs.mkdir(exist_ok=True)
         for log in self._logs.glob("*.log"):
-            log.unlink()
+            kept_logs.begin(log)
         redis_url = f"unix://{self._redis_socket}"
         grpc_socket = sockets / "grpc.sock"
         redis, port, alive = self._redis_socket, settings.port, sockets / "coordinator.alive"
@@ -151,7 +152,10 @@ class _Stack:
         self._write_file()
 
     def supervise(self) -> None:
-        """Starts children again that have died, or hang."""
+        """Starts children again that have died, or hang; bounds their logs."""
+        with suppress(OSError):
+            for log in self._logs.glob("*.log"):
+                kept_logs.bound(log)
         restarted = [
             child.supervise(lambda text: ERRORS.print(escape(text), soft_wrap=True))
             for child in self._children
