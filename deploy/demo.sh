@@ -7,7 +7,7 @@ cd "$(dirname "$0")/.."
 port=${NOCTURNE_PORT:-7070}
 export NOCTURNE_URL=http://127.0.0.1:$port
 
-ready() { python3 -c "import sys, urllib.request as u; u.urlopen('$NOCTURNE_URL/readyz', timeout=2)" 2>/dev/null; }
+ready() { python3 -c "import sys, urllib.request as u; u.urlopen('$NOCTURNE_URL/readyz?exclude=merging', timeout=2)" 2>/dev/null; }
 
 if ! ready; then
     mkdir -p data

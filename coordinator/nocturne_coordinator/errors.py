@@ -4,6 +4,8 @@
 
 NocturneError, InputError and NotFound are of `nocturne_scene.errors`.
 
+`FolderGone` of `store.database` is an error of SQLite's as well: who gets over those gets over it.
+
 NocturneError
 +-- Conflict        a request id was used before with other content
 +-- AmbiguousId     several renders have ids that begin so

@@ -94,7 +94,9 @@ class BlobStore:
         self.remote = remote
         self._durable = durable
         self._incoming = root / "incoming"
-        self._incoming.mkdir(parents=True, exist_ok=True)
+        # Not the folder around it: one that was moved away is not to be made anew.
+        root.mkdir(exist_ok=True)
+        self._incoming.mkdir(exist_ok=True)
 
     def path(self, sha256: str) -> Path:
         """The file of a blob; NotFound if it isn't here, InputError if this is no digest."""
@@ -221,7 +223,8 @@ class BlobStore:
     def put_note(self, about: NoteKey, text: str) -> None:
         """Notes what took long to find out and can be found out again."""
         place = self._note_place(about)
-        place.parent.mkdir(parents=True, exist_ok=True)
+        for folder in (place.parent.parent, place.parent):
+            folder.mkdir(exist_ok=True)
         with replacing(place, folder=self._incoming) as unfinished:
             unfinished.write_text(text)
 

@@ -1,7 +1,7 @@
 """Write, then rename: a file that others read is the old one or the new one, never a part."""
 
 import os
-import tempfile
+import secrets
 from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
@@ -32,13 +32,11 @@ def replacing(
     the same file system; without one, next to `path`. The renaming alone happens inside `within`, which may
     refuse it by an error.
     """
-    descriptor, name = tempfile.mkstemp(dir=folder or path.parent, prefix=UNFINISHED, suffix=path.suffix)
-    os.close(descriptor)
-    unfinished = Path(name)
+    unfinished = (folder or path.parent) / f"{UNFINISHED}{secrets.token_hex(8)}{path.suffix}"
+    # With the rights that the umask gives; a file of mkstemp would be its owner's alone.
+    unfinished.touch(exist_ok=False)
     try:
         yield unfinished
-        # Nobody but its owner can read a file of mkstemp.
-        unfinished.chmod(0o644)
         if durable:
             sync(unfinished)
         with within or nullcontext():

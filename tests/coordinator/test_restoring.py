@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from nocturne_coordinator.errors import AlreadyOwned, CantRestore
 from nocturne_coordinator.main import EXIT_UNUSABLE
-from nocturne_coordinator.store.checkpoint import Checkpointer, checkpoints
+from nocturne_coordinator.store.checkpoint import Checkpoint, Checkpointer, checkpoints
 from nocturne_coordinator.store.restoring import damage_of, restore
 from nocturne_scene.blobs import BlobStore
 
@@ -170,6 +170,49 @@ def test_a_checkpoint_is_made_only_of_something_new(service: Service) -> None:
     assert made is not None
     assert made.number == 2
     assert [each.number for each in checkpoints(service.data / "checkpoints")] == [2, 1]
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "INSERT INTO webhook (id, owner, url, secret, created) VALUES ('w', '', '', '', 1.0)",
+        "INSERT INTO machine VALUES ('node', x'00', 1.0)",
+        "INSERT INTO drain VALUES ('w', '', 1.0)",
+        "INSERT INTO upload VALUES ('', 'ab', 1)",
+        "INSERT INTO deleted_usage VALUES ('', 1, 1.0)",
+        "INSERT INTO measured_region SELECT id, '[]' FROM render",
+        "INSERT INTO call VALUES (NULL, 1.0, '', '', '', '', '')",
+    ],
+)
+def test_all_that_is_worth_keeping_makes_a_checkpoint(service: Service, statement: str) -> None:
+    service.create()
+    checkpointer = Checkpointer(service.data, service.data / "checkpoints")
+    assert checkpointer.make() is not None
+    assert checkpointer.make() is None
+    with closing(sqlite3.connect(service.data / "nocturne.db", isolation_level=None)) as database:
+        database.execute(statement)
+    assert checkpointer.make() is not None
+
+
+def test_of_two_checkpointers_one_works_at_a_time(service: Service, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As two coordinators with --shared have them: each took the other's number, and deleted its file."""
+    place = service.data / "checkpoints"
+    one, other = (Checkpointer(service.data, place) for _ in range(2))
+    between: list[object] = []
+    copy = one._copy
+
+    def copying(source: sqlite3.Connection) -> Checkpoint:
+        between.append(other.make())
+        return copy(source)
+
+    monkeypatch.setattr(one, "_copy", copying)
+    assert one.make() is not None
+    assert between == [None]
+    assert all(each.is_whole(place) for each in checkpoints(place))
+    # It is its turn now.
+    made = other.make()
+    assert made is not None
+    assert made.number == 2
 
 
 @pytest.mark.parametrize(

@@ -125,7 +125,7 @@ def _value(arguments: list[str], option: str) -> str:
 
 def test_arguments_are_understood(monkeypatch: pytest.MonkeyPatch) -> None:
     options = coordinator_main._parser().parse_args(_arguments("nocturne/coordinator"))
-    assert str(options.data) == "/data"
+    assert str(options.data) == "/data/nocturne"
     monkeypatch.setattr(sys, "argv", ["nocturne-api", *_arguments("nocturne/api")])
     settings = api_main._settings()
     assert (settings.auth, settings.any_address) == (True, False)

@@ -20,7 +20,6 @@ def test_a_file_is_replaced_when_it_is_whole(tmp_path: Path, durable: bool) -> N
         assert (unfinished.parent, unfinished.suffix) == (tmp_path, ".json")
         assert unfinished.name.startswith(UNFINISHED)
     assert path.read_text() == "new"
-    assert path.stat().st_mode & 0o777 == 0o644
     assert list(tmp_path.iterdir()) == [path]
 
 
@@ -64,3 +63,14 @@ def test_only_a_durable_store_waits_for_the_disk(
     blobs = BlobStore(tmp_path, durable=durable)
     assert blobs.is_whole(blobs.put(b"light"))
     assert bool(waited) == durable
+
+
+@pytest.mark.parametrize("umask", [0o022, 0o077])
+def test_a_file_has_the_rights_that_the_umask_gives(tmp_path: Path, umask: int) -> None:
+    before = os.umask(umask)
+    try:
+        with replacing(tmp_path / "a"):
+            pass
+    finally:
+        os.umask(before)
+    assert (tmp_path / "a").stat().st_mode & 0o777 == 0o666 & ~umask

@@ -262,7 +262,7 @@ def test_every_route_declares_its_answers(method: str, path: str) -> None:
     if path.startswith("/v1"):
         assert {"401", "403", "422", "429", "500", "503"} <= answers.keys()
     for status, answer in answers.items():
-        if status >= "400":
+        if status >= "400" and (path, status) != ("/readyz", "503"):
             named = DESCRIPTION["components"]["responses"][answer["$ref"].rpartition("/")[2]]
             content = named["content"]["application/problem+json"]
             assert content["schema"] == {"$ref": "#/components/schemas/ProblemDetails"}

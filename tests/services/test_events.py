@@ -154,3 +154,17 @@ async def _first(stream: httpx.Response, number: int) -> AsyncIterator[str]:
             number -= 1
         if number == 0:
             return
+
+
+async def test_numbers_of_thousands_of_digits_are_refused(
+    rest: httpx.AsyncClient, body: dict[str, Any]
+) -> None:
+    render_id = (await rest.post("/v1/renders", json=body)).json()["id"]
+    long = "9" * 5000
+    for path, headers in (
+        ("events", {"Last-Event-ID": long}),
+        (f"tiles?since={long}.0", {}),
+        (f"tiles?since=1.{long}", {}),
+    ):
+        answer = await rest.get(f"/v1/renders/{render_id}/{path}", headers=headers)
+        assert answer.status_code == 422, path

@@ -1,6 +1,5 @@
 """What a pilot learned of the light at a pixel, against Snell's law."""
 
-import asyncio
 import math
 from typing import Any
 
@@ -8,6 +7,7 @@ import httpx
 import numpy as np
 import pytest
 from nocturne_api.children import pools
+from nocturne_api.places import Places
 
 from tests.pool import FILM, SAMPLES, light_at_the_middle, pool
 
@@ -55,11 +55,11 @@ async def test_others_wait_and_nothing_hangs(
     rest: httpx.AsyncClient, guided: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     place = {"x": 1, "y": 1}
-    monkeypatch.setattr(pools, "_lookups", asyncio.Semaphore(0))
+    monkeypatch.setattr(pools, "_lookups", Places(0, 0, "try again"))
     answer = await rest.get(guided, params=place)
     assert answer.status_code == 503
     assert "try again" in answer.json()["detail"]
-    monkeypatch.setattr(pools, "_lookups", asyncio.Semaphore(1))
+    monkeypatch.setattr(pools, "_lookups", Places(1, 0, "try again"))
     monkeypatch.setattr(pools, "LEARNED_WALL_S", 1e-3)
     answer = await rest.get(guided, params=place)
     assert answer.status_code == 503

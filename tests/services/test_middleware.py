@@ -1,6 +1,7 @@
 """Who may ask, and what every answer carries."""
 
 import asyncio
+import shutil
 import socket
 from pathlib import Path
 from typing import Any
@@ -10,6 +11,7 @@ import httpx
 import pytest
 from grpc_health.v1 import health_pb2, health_pb2_grpc
 from grpc_reflection.v1alpha import reflection_pb2, reflection_pb2_grpc
+from nocturne.v1 import render_service_pb2, render_service_pb2_grpc
 from nocturne_api.addresses import AddressError, check_host, listen
 from nocturne_api.service import Service, Settings, open_service
 
@@ -81,7 +83,7 @@ async def test_reference_and_openapi(rest: httpx.AsyncClient, web: Path) -> None
 async def test_health_at_both_endpoints(
     rest: httpx.AsyncClient, channel: grpc.aio.Channel, tmp_path: Path
 ) -> None:
-    assert (await rest.get("/readyz")).text == "ready\n"
+    assert (await rest.get("/readyz?exclude=merging")).json()["ready"]
     request = health_pb2.HealthCheckRequest(service="nocturne.v1.RenderService")
     answer = await health_pb2_grpc.HealthStub(channel).Check(request)
     assert answer.status == health_pb2.HealthCheckResponse.SERVING
@@ -137,3 +139,23 @@ def test_an_answer_does_not_wait_for_its_head_to_be_acknowledged() -> None:
         taken, _ = listener.accept()
         with taken:
             assert taken.getsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY)
+
+
+async def test_a_folder_that_was_moved_away_is_said(
+    rest: httpx.AsyncClient, channel: grpc.aio.Channel, body: dict[str, Any], tmp_path: Path
+) -> None:
+    """Nothing is taken, nothing is made in its place, and all goes on when it is back."""
+    renders = render_service_pb2_grpc.RenderServiceStub(channel)
+    (tmp_path / "data").rename(tmp_path / "elsewhere")
+    for answer in (await rest.post("/v1/renders", json=body), await rest.get("/v1/renders")):
+        assert (answer.status_code, answer.headers["Retry-After"]) == (503, "5")
+        assert "was moved away or replaced" in answer.json()["detail"]
+    with pytest.raises(grpc.aio.AioRpcError) as caught:
+        await renders.ListRenders(render_service_pb2.ListRendersRequest())
+    assert caught.value.code() == grpc.StatusCode.UNAVAILABLE
+    assert not (tmp_path / "data").exists()
+    shutil.copytree(tmp_path / "elsewhere", tmp_path / "data")
+    assert (await rest.post("/v1/renders", json=body)).status_code == 503
+    shutil.rmtree(tmp_path / "data")
+    (tmp_path / "elsewhere").rename(tmp_path / "data")
+    assert (await rest.post("/v1/renders", json=body)).status_code == 201

@@ -1,6 +1,5 @@
 """Image files from elsewhere, as the page compares renders with."""
 
-import asyncio
 from collections.abc import AsyncIterator
 from pathlib import Path
 
@@ -8,6 +7,7 @@ import httpx
 import numpy as np
 import OpenEXR
 import pytest
+from nocturne_api.places import Places
 
 TYPE = "application/vnd.nocturne.tiles"
 
@@ -65,5 +65,5 @@ async def test_bounds_of_size_and_number(
     assert (await rest.post("/v1/pictures", content=undeclared())).status_code == 422
     monkeypatch.undo()
     assert (await rest.post("/v1/pictures", content=content)).status_code == 200
-    monkeypatch.setattr("nocturne_api.children.pools._pictures", asyncio.Semaphore(0))
+    monkeypatch.setattr("nocturne_api.children.pools._pictures", Places(0, 0, "are being read"))
     assert (await rest.post("/v1/pictures", content=content)).status_code == 503

@@ -72,3 +72,41 @@ async def test_other_sites_cannot_use_the_cookie(guarded: tuple[httpx.AsyncClien
 async def test_without_authentication_nobody_may_do_everything(rest: httpx.AsyncClient) -> None:
     answer = await rest.get("/v1/session")
     assert answer.json() == {"name": "", "scopes": ["admin", "read", "submit", "worker"]}
+
+
+async def test_a_copied_cookie_is_no_token_and_ends_with_its_session(
+    guarded: tuple[httpx.AsyncClient, str],
+) -> None:
+    client, secret = guarded
+    await client.post("/v1/session", headers={"Authorization": f"Bearer {secret}"})
+    copied = client.cookies["nocturne_token"]
+    assert secret not in copied
+    async with httpx.AsyncClient(base_url=client.base_url, trust_env=False) as thief:
+        cookie = {"Cookie": f"nocturne_token={copied}"}
+        assert (await thief.get("/v1/renders", headers=cookie)).status_code == 200
+        as_token = await thief.get("/v1/renders", headers={"Authorization": f"Bearer {copied}"})
+        assert as_token.status_code == 401
+        raw = await thief.get("/v1/renders", headers={"Cookie": f"nocturne_token={secret}"})
+        assert raw.status_code == 401
+        await client.delete("/v1/session")
+        assert (await thief.get("/v1/renders", headers=cookie)).status_code == 401
+
+
+@pytest.mark.parametrize("behind_proxy", [False, True])
+async def test_the_cookie_is_secure_behind_a_proxy_that_is_trusted(
+    tmp_path: Path, web: Path, behind_proxy: bool
+) -> None:
+    folder = DataFolder(tmp_path / "data")
+    secret = folder.tokens.create("eve", ["read"])
+    folder.close()
+    settings = Settings(
+        data=tmp_path / "data", web=web, port=0, grpc_port=0, auth=True, behind_proxy=behind_proxy
+    )
+    async with (
+        started(settings) as service,
+        httpx.AsyncClient(base_url=f"http://127.0.0.1:{service.port}", trust_env=False) as client,
+    ):
+        for said in ("https", "http"):
+            headers = {"Authorization": f"Bearer {secret}", "X-Forwarded-Proto": said}
+            cookie = (await client.post("/v1/session", headers=headers)).headers["set-cookie"]
+            assert ("secure" in cookie.lower()) is (behind_proxy and said == "https")

@@ -47,3 +47,13 @@ async def test_a_tag_is_a_short_word(rest: httpx.AsyncClient, body: dict[str, An
     answer = await rest.post("/v1/renders", json={**body, "request_id": "a", "tags": tags})
     assert answer.status_code == 422
     assert answer.json()["problems"][0]["place"].startswith("$.tags")
+
+
+@pytest.mark.parametrize("search", ["Österbro", "österbro", "ÖSTERBRO", "åben", "straße", "STRASSE"])
+async def test_letters_of_any_alphabet_are_found_in_either_case(
+    search: str, rest: httpx.AsyncClient, body: dict[str, Any]
+) -> None:
+    body |= {"name": "Österbro", "tags": ["Åben", "Straße"]}
+    made = (await rest.post("/v1/renders", json=body)).json()
+    found = (await rest.get("/v1/renders", params={"search": search})).json()["renders"]
+    assert [each["id"] for each in found] == [made["id"]]

@@ -2,6 +2,8 @@
 
 import asyncio
 import logging
+import socket
+import time
 from collections.abc import AsyncIterator, Iterator
 from pathlib import Path
 
@@ -134,7 +136,7 @@ async def test_it_is_given_up_in_the_end(folder: DataFolder) -> None:
             await asyncio.sleep(1.5)
     assert len(receiver.got) == 3
     assert folder.webhooks.list("")[0].last_outcome == "answered 503; given up"
-    assert folder.webhooks.take_due(2e12, 1.0, 9) == []
+    assert folder.webhooks.take_due(2e12, 1.0, 9, 9) == []
 
 
 def test_the_pauses_grow_to_three_days() -> None:
@@ -176,3 +178,39 @@ async def test_no_redirect_is_followed(folder: DataFolder) -> None:
         async with sending(folder, TargetRules([HOME])):
             await until(receiver, 2)
     assert private.got == []
+
+
+async def test_dead_addresses_of_one_owner_delay_nobody_else(folder: DataFolder) -> None:
+    """Twenty that accept and never answer, with three messages each, all of them due before the other's."""
+    with socket.create_server(("127.0.0.1", 0), backlog=1000) as hole, Receiver() as receiver:
+        address = f"http://127.0.0.1:{hole.getsockname()[1]}/"
+        for _ in range(20):
+            folder.webhooks.create("alice", address)
+        folder.webhooks.create("bob", receiver.url)
+        for number in range(3):
+            make_render(folder, f"r-{number}", "alice")
+            end(folder, f"r-{number}", "SUCCEEDED")
+        async with sending(folder, TargetRules([HOME])):
+            await asyncio.sleep(0.5)
+            make_render(folder, "r-bob", "bob")
+            end(folder, "r-bob", "SUCCEEDED")
+            begun = time.monotonic()
+            await until(receiver, 1)
+            # A look a second, where one attempt at a dead address takes fifteen.
+            assert time.monotonic() - begun < 3.0
+
+
+def test_messages_are_taken_in_bounds(folder: DataFolder) -> None:
+    """One of each webhook, some of each owner; the rest when those are over."""
+    for owner, hooks in (("alice", 6), ("bob", 1)):
+        for _ in range(hooks):
+            folder.webhooks.create(owner, "https://example.org/")
+        for number in range(2):
+            make_render(folder, f"r-{owner}-{number}", owner)
+            end(folder, f"r-{owner}-{number}", "SUCCEEDED")
+    taken = folder.webhooks.take_due(2e12, 1.0, 5, 3)
+    assert sorted(message.owner for message in taken) == ["alice"] * 3 + ["bob"]
+    assert len({message.webhook_id for message in taken}) == 4
+    further = folder.webhooks.take_due(2e12, 1.0, 5, 4, taken)
+    assert [message.owner for message in further] == ["alice"]
+    assert {message.webhook_id for message in further}.isdisjoint(each.webhook_id for each in taken)

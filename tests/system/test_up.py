@@ -70,6 +70,15 @@ def test_the_page_is_served(running_service: Up) -> None:
     assert re.search(r'<script[^>]* src="/assets/', answer.text), "the page is not built"
 
 
+def test_the_data_folder_is_private(running_service: Up) -> None:
+    """Database, images, logs, and the cache of a program in C++."""
+    rights = {
+        path: path.stat().st_mode & 0o077 for path in (running_service.data, *running_service.data.rglob("*"))
+    }
+    assert running_service.data / "cache" in rights
+    assert [path for path, others in rights.items() if others] == []
+
+
 def test_doctor_finds_all_that_this_test_needs() -> None:
     result = subprocess.run([NOCTURNE, "doctor", "--json"], capture_output=True, check=False)
     findings = json.loads(result.stdout)

@@ -84,7 +84,7 @@ def guarded_url(page_service: Up, tmp_path: Path) -> Iterator[str]:
 
 def _answers(url: str) -> bool:
     try:
-        return httpx.get(f"{url}/readyz").status_code == 200
+        return httpx.get(f"{url}/readyz?exclude=merging").status_code == 200
     except httpx.TransportError:
         return False
 

@@ -32,7 +32,7 @@ from nocturne_coordinator.output.pictures import (
 )
 from nocturne_coordinator.sign_of_life import SignOfLife
 from nocturne_coordinator.store.bundle import write_bundle
-from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_coordinator.store.data_folder import DataFolder, make_folders
 from nocturne_coordinator.store.ledger import Ledger
 
 _BUSY_S, _BUSY_S_PER_PIXEL = 60.0, 2e-5
@@ -193,7 +193,7 @@ class Previews:
         holding = partial(self._ledger.leases.holding, row.id, row.fence)
         try:
             try:
-                path.parent.mkdir(parents=True, exist_ok=True)
+                make_folders(path)
                 with replacing(path, durable, within=holding()) as unfinished:
                     yield unfinished
                 if durable:

@@ -10,7 +10,7 @@ from nocturne_scene.replacing import replacing
 
 from nocturne_coordinator.dispatch.planned_render import PlannedRender
 from nocturne_coordinator.dispatch.records import FailedTile
-from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_coordinator.store.data_folder import DataFolder, make_folders
 
 _README = """\
 Tile {tile}, samples {first} to {end} of render {render} failed on: {workers}.
@@ -30,7 +30,7 @@ schedule.pb     of the whole image            failure.json  what was said
 def write_bundle(folder: DataFolder, render: PlannedRender, failed: FailedTile) -> Path:
     """Writes it next to the render's images, whole or not at all; OSError where that can't be done."""
     target = folder.bundle_path(render.id, failed.tile_index)
-    target.parent.mkdir(parents=True, exist_ok=True)
+    make_folders(target)
     planned = render.ranges_of(failed.tile_index).find(failed.first_sample, failed.end_sample)
     job = render.job(failed.tile_index, planned or SampleRange(0, failed.first_sample, failed.end_sample))
     failure = {"reason": failed.reason, "workers": failed.workers}

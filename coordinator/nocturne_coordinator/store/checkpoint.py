@@ -8,6 +8,7 @@
 The last two are kept: should one be damaged, there is one before it. `restoring.py` reads them.
 """
 
+import fcntl
 import hashlib
 import json
 import logging
@@ -89,6 +90,9 @@ class Checkpointer:
         self._place = place
         self._seconds = seconds
         inside = place.resolve().is_relative_to(data.resolve())
+        if not inside:
+            # With the same secrets; a folder that is there already has the rights that somebody gave it.
+            place.mkdir(mode=0o700, parents=True, exist_ok=True)
         self._blobs = None if inside else (BlobStore(data / "blobs"), BlobStore(place / "blobs"))
         self._seen: tuple[Any, ...] = ()
 
@@ -104,17 +108,24 @@ class Checkpointer:
             wait = max(self._seconds, (time.monotonic() - begun) / _SHARE)
 
     def make(self) -> Checkpoint | None:
-        """A new checkpoint; None if nothing has changed since the last. Raises sqlite3.Error and OSError."""
+        """A new checkpoint; None if nothing has changed since the last, or another is being made. Raises
+        sqlite3.Error and OSError."""
         with closing(sqlite3.connect(self._database)) as source:
             state = _state(source)
             if state == self._seen:
                 return None
-            self._place.mkdir(parents=True, exist_ok=True)
-            # Before the database: the files it refers to are there.
-            self._copy_blobs()
-            made = self._copy(source)
+            self._place.mkdir(mode=0o700, exist_ok=True)
+            with (self._place / "checkpointing.lock").open("w") as lock:
+                try:
+                    fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                except BlockingIOError:
+                    # Another coordinator of the folder makes one just now, under the same number.
+                    return None
+                # Before the database: the files it refers to are there.
+                self._copy_blobs()
+                made = self._copy(source)
+                self._remove_old()
         self._seen = state
-        self._remove_old()
         _log.info("checkpoint %d of %d renders, %d bytes", made.number, len(made.renders), made.size_bytes)
         return made
 
@@ -155,7 +166,12 @@ def _state(source: sqlite3.Connection) -> tuple[Any, ...]:
     row: tuple[Any, ...] = source.execute(
         """SELECT (SELECT count(*) FROM render), (SELECT total(sequence) FROM render),
                (SELECT count(*) FROM token), (SELECT total(revoked) FROM token),
-               (SELECT total(since) FROM quarantine)"""
+               (SELECT total(since) FROM quarantine), (SELECT total(since) FROM drain),
+               (SELECT total(enrolled) FROM machine), (SELECT count(*) FROM lease_key),
+               (SELECT total(created) FROM webhook), (SELECT max(number) FROM webhook_message),
+               (SELECT count(*) FROM upload), (SELECT total(size_bytes) FROM upload),
+               (SELECT group_concat(render_id || regions) FROM measured_region),
+               (SELECT total(renders) FROM deleted_usage), (SELECT max(number) FROM call)"""
     ).fetchone()
     return row
 

@@ -26,6 +26,7 @@ from nocturne_coordinator.store.machines import Machines
 from nocturne_coordinator.store.measured_regions import MeasuredRegions
 from nocturne_coordinator.store.meters import Meters
 from nocturne_coordinator.store.object_store import ObjectStore
+from nocturne_coordinator.store.privacy import make_private
 from nocturne_coordinator.store.quotas import Uploads
 from nocturne_coordinator.store.render_requests import RenderRequests
 from nocturne_coordinator.store.renders import Renders
@@ -41,8 +42,8 @@ class DataFolder:
     def __init__(self, path: Path, objects: ObjectStore | None = None) -> None:
         """`objects` keeps blobs too.
 
-        Raises UnusableFolder if another version wrote it, it is damaged, it can't be written, or only
-        checkpoints are left.
+        Raises UnusableFolder if another version wrote it, it is damaged, it can't be written, it is another
+        user's, or only checkpoints are left.
         """
         self.root = path
         try:
@@ -74,6 +75,10 @@ class DataFolder:
     def close(self) -> None:
         self.database.close()
 
+    def check_place(self) -> None:
+        """Raises FolderGone where the folder was moved away, or another one is in its place."""
+        self.database.check_place()
+
     def preview_path(self, render_id: str) -> Path:
         """The PNG; may not exist yet."""
         return self._images(render_id) / "preview.png"
@@ -100,9 +105,16 @@ class DataFolder:
         return self.database.change_counter()
 
 
+def make_folders(image: Path) -> None:
+    """The folders of an image, but not the data folder: one that was moved away is not to be made anew."""
+    for each in (image.parent.parent, image.parent):
+        each.mkdir(exist_ok=True)
+
+
 def _make(path: Path) -> None:
-    """Makes the folder and those above it, with their names on the disk."""
+    """Makes the folder and those above it, with their names on the disk; nobody else gets in."""
     missing = [each for each in (path, *path.parents) if not each.exists()]
-    path.mkdir(parents=True, exist_ok=True)
+    path.mkdir(mode=0o700, parents=True, exist_ok=True)
     for each in missing:
         sync(each.parent)
+    make_private(path)

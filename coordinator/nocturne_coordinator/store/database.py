@@ -1,12 +1,18 @@
 """The SQLite file of a data folder: connection and transactions, for many processes and threads."""
 
+import os
 import sqlite3
+import tempfile
 import threading
 import time
 from collections.abc import Iterable, Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
+
+from nocturne_scene.errors import NocturneError
+from nocturne_scene.replacing import UNFINISHED
 
 from nocturne_coordinator.errors import UnusableFolder
 from nocturne_coordinator.store.migrate import migrate
@@ -17,16 +23,29 @@ _BUSY_MILLISECONDS = 30_000
 _AGAIN_SECONDS = 0.01
 
 
+class FolderGone(NocturneError, sqlite3.OperationalError):
+    """The data folder was moved away, or another one is in its place; it passes when the folder is back."""
+
+
 class Database:
-    """One connection, shared by the threads of a process under a lock."""
+    """One connection, shared by the threads of a process under a lock; for readers more, where wanted."""
 
     def __init__(self, path: Path) -> None:
         """Opens or creates the file; UnusableFolder if another version wrote it, or if it is damaged."""
+        self._path = path
+        self._file: tuple[int, int] | None = None
         self._lock = threading.RLock()
         self._durable: bool | None = None
-        self._connection = sqlite3.connect(path, isolation_level=None, check_same_thread=False)
+        self._writer = 0
+        """The thread that is inside a transaction."""
+        self._readers: list[sqlite3.Connection] | None = None
+        """Those that nobody uses just now; None: all read by the one connection."""
+        self._counter: sqlite3.Connection | None = None
+        self._connection = self._connect()
         try:
             self._prepare(path)
+            # One in memory has no file.
+            self._file = _identity(path) if path.exists() else None
         except BaseException as trouble:
             self._connection.close()
             # An operational error (full, locked, not to be written) passes; any other of SQLite's is damage.
@@ -39,7 +58,6 @@ class Database:
             ) from trouble
 
     def _prepare(self, path: Path) -> None:
-        self._connection.row_factory = sqlite3.Row
         # First of all: the statements after it may meet another process that creates the file just now.
         self._connection.execute(f"PRAGMA busy_timeout = {_BUSY_MILLISECONDS}")
         self._connection.execute(f"PRAGMA page_size = {_PAGE_BYTES}")
@@ -49,6 +67,41 @@ class Database:
         # After an upgrade that remakes tables: dropping the old one must not delete the rows that refer to
         # it.
         self._connection.execute("PRAGMA foreign_keys = ON")
+
+    def _connect(self) -> sqlite3.Connection:
+        connection = sqlite3.connect(self._path, isolation_level=None, check_same_thread=False)
+        connection.row_factory = sqlite3.Row
+        # SQLite's own lower() knows the letters A to Z alone.
+        connection.create_function("casefold", 1, str.casefold, deterministic=True)
+        return connection
+
+    def read_beside(self, wait_seconds: float) -> None:
+        """From here on threads that read wait neither for each other nor for one that writes, and one that
+        writes waits so long at most for another process that does."""
+        self._connection.execute(f"PRAGMA busy_timeout = {int(1000 * wait_seconds)}")
+        self._readers, self._counter = [], self._reader()
+
+    def _reader(self) -> sqlite3.Connection:
+        connection = self._connect()
+        connection.execute("PRAGMA query_only = ON")
+        return connection
+
+    @contextmanager
+    def _reading(self, query: str) -> Iterator[sqlite3.Connection]:
+        """Who reads in a transaction sees what it wrote."""
+        readers, writes = self._readers, not query.lstrip().startswith("SELECT")
+        if readers is None or writes or self._writer == threading.get_ident():
+            with self._lock:
+                yield self._connection
+            return
+        try:
+            reader = readers.pop()
+        except IndexError:
+            reader = self._reader()
+        try:
+            yield reader
+        finally:
+            readers.append(reader)
 
     def _write_ahead(self) -> None:
         """Changes the journal's mode. Where several do that with a new file at once, SQLite does not wait, as
@@ -73,8 +126,10 @@ class Database:
         end of any process, and does not wait for the disk: for work that can be done again.
         """
         with self._lock:
+            self.check_place()
             self._wait_for_disk(durable)
             self._connection.execute("BEGIN IMMEDIATE")
+            self._writer = threading.get_ident()
             try:
                 yield
                 self._connection.execute("COMMIT")
@@ -83,6 +138,8 @@ class Database:
                 if self._connection.in_transaction:
                     self._connection.execute("ROLLBACK")
                 raise
+            finally:
+                self._writer = 0
 
     @contextmanager
     def snapshot(self) -> Iterator[None]:
@@ -115,21 +172,61 @@ class Database:
             self._durable = durable
 
     def rows(self, query: str, values: tuple[Any, ...] = ()) -> list[sqlite3.Row]:
-        with self._lock:
-            return self._connection.execute(query, values).fetchall()
+        with self._reading(query) as connection:
+            return connection.execute(query, values).fetchall()
 
     def row(self, query: str, values: tuple[Any, ...] = ()) -> sqlite3.Row | None:
         """The first row, if there is any."""
-        with self._lock:
-            row: sqlite3.Row | None = self._connection.execute(query, values).fetchone()
+        with self._reading(query) as connection:
+            row: sqlite3.Row | None = connection.execute(query, values).fetchone()
             return row
 
     def change_counter(self) -> int:
         """Grows whenever any connection of any process commits a change. Microseconds."""
+        if self._counter is not None:
+            # One that never writes: all changes are others'.
+            seen: int = self._counter.execute("PRAGMA data_version").fetchone()[0]
+            return seen
         with self._lock:
             by_others: int = self._connection.execute("PRAGMA data_version").fetchone()[0]
             return by_others + self._connection.total_changes
 
+    def check_writing(self, wait_seconds: float) -> None:
+        """Whether one could write now; changes nothing. Raises sqlite3.Error, OSError: gone, locked for so
+        long, full, or read-only."""
+        self.check_place()
+        with tempfile.NamedTemporaryFile(dir=self._path.parent, prefix=UNFINISHED) as probe:
+            probe.write(bytes(_PAGE_BYTES))
+            probe.flush()
+            os.fsync(probe.fileno())
+        with closing(sqlite3.connect(f"file:{quote(str(self._path))}?mode=rw", uri=True)) as connection:
+            connection.isolation_level = None
+            connection.execute(f"PRAGMA busy_timeout = {int(1000 * wait_seconds)}")
+            connection.execute("BEGIN IMMEDIATE")
+            connection.execute("ROLLBACK")
+
+    def check_place(self) -> None:
+        """Raises FolderGone where the open file is not that of its path any more: what is written into it
+        would not be found again. Microseconds."""
+        if self._file is None:
+            return
+        try:
+            is_here = _identity(self._path) == self._file
+        except OSError:
+            is_here = False
+        if not is_here:
+            raise FolderGone(
+                f"{self._path.parent} was moved away or replaced while the service works on it; move it "
+                "back, or start the service again"
+            )
+
     def close(self) -> None:
         with self._lock:
-            self._connection.close()
+            for each in (*(self._readers or ()), self._counter, self._connection):
+                if each is not None:
+                    each.close()
+
+
+def _identity(path: Path) -> tuple[int, int]:
+    status = path.stat()
+    return status.st_dev, status.st_ino

@@ -21,7 +21,7 @@ def _one_at_a_time(path: Path) -> Iterator[None]:
     A coordinator that is to share is alone with the folder until its row is there. Another one that comes
     just then has to wait for it, not to be refused.
     """
-    lock = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+    lock = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
     try:
         fcntl.flock(lock, fcntl.LOCK_EX)
         yield
@@ -43,7 +43,7 @@ class Ownership:
         self.lease_seconds = lease_seconds
         self.shared = shared
         with _one_at_a_time(root / "coordinator.starting"):
-            self._lock = os.open(root / "coordinator.lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+            self._lock = os.open(root / "coordinator.lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
             self._enter(root)
 
     def _enter(self, root: Path) -> None:

@@ -29,6 +29,7 @@ from nocturne_coordinator.dispatch.planned_render import (
 from nocturne_coordinator.errors import AlreadyOwned, CantRestore
 from nocturne_coordinator.store.checkpoint import checkpoints
 from nocturne_coordinator.store.migrate import newest_schema, schema_of
+from nocturne_coordinator.store.privacy import make_private
 
 
 @dataclass(slots=True)
@@ -58,7 +59,8 @@ def restore(data: Path, source: Path | None = None) -> Restored:
         raise CantRestore(f"there is no folder {source}")
     if source is None and not data.is_dir():
         raise CantRestore(f"there is no data folder {data}; say with --from where its checkpoints are")
-    data.mkdir(parents=True, exist_ok=True)
+    data.mkdir(mode=0o700, parents=True, exist_ok=True)
+    make_private(data)
     with _only_one(data):
         found = Restored()
         database = data / "nocturne.db"
@@ -179,7 +181,7 @@ def _take_stock(data: Path, found: Restored) -> None:
 @contextmanager
 def _only_one(data: Path) -> Iterator[None]:
     """Holds the folder as a coordinator does; AlreadyOwned while one has it."""
-    lock = os.open(data / "coordinator.lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o644)
+    lock = os.open(data / "coordinator.lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
     try:
         fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         yield

@@ -11,9 +11,10 @@ TAGGED = "EXISTS (SELECT 1 FROM json_each(tags) WHERE value = ?)"
 """Of a row of `render`: whether it has a tag."""
 
 SEARCHED = (
-    "instr(lower(name || ' ' || id || ' ' || owner || ' ' || state || ' ' || in_group || ' ' || tags), ?) > 0"
+    "instr(casefold(name || ' ' || id || ' ' || owner || ' ' || state || ' ' || in_group || ' ' || tags), ?) "
+    "> 0"
 )
-"""Of a row of `render`: whether something that it is called by has a word, in lower case."""
+"""Of a row of `render`: whether something that it is called by has a word, in the form of `words_of`."""
 
 
 def checked_tags(tags: Sequence[str]) -> tuple[str, ...]:
@@ -31,5 +32,5 @@ def checked_tags(tags: Sequence[str]) -> tuple[str, ...]:
 
 
 def words_of(search: str) -> list[str]:
-    """What a render must have, all of it."""
-    return search.lower().split()
+    """What a render must have, all of it, whatever its case in any alphabet."""
+    return search.casefold().split()

@@ -5,9 +5,11 @@ none reports an end that did not happen.
 """
 
 import base64
+import json
 import secrets
 import time
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 from nocturne_scene.errors import InputError, NotFound
@@ -39,6 +41,7 @@ class WebhookMessage:
 
     number: int
     webhook_id: str
+    owner: str
     url: str
     secret: str
     message_id: str
@@ -96,23 +99,42 @@ class Webhooks:
         """Deletes it with all messages still to be sent. Deleting again changes nothing."""
         self._database.execute("DELETE FROM webhook WHERE id = ?", (webhook_id,))
 
-    def take_due(self, now: float, lease_seconds: float, most: int) -> Sequence[WebhookMessage]:
-        """Messages to be sent now. Nobody else gets them for `lease_seconds`; then they are due again."""
+    def take_due(
+        self,
+        now: float,
+        lease_seconds: float,
+        most: int,
+        of_owner: int,
+        at_work: Collection[WebhookMessage] = (),
+    ) -> Sequence[WebhookMessage]:
+        """Messages to be sent now. Nobody else gets them for `lease_seconds`; then they are due again.
+
+        Together with those `at_work`, one of each webhook, so many `of_owner`, and `most` in all.
+        """
         if not self._database.row("SELECT 1 FROM webhook_message WHERE due <= ?", (now,)):
             return []
         with self._database.transaction():
             rows = self._database.rows(
-                """SELECT number, webhook_id, url, secret, message_id, render_id, name, state, reason,
-                       doubt, event, unix_time, attempts
+                """SELECT number, webhook_id, owner, url, secret, message_id, render_id, name, state, reason,
+                       doubt, event, unix_time, attempts, min(due) AS first_due
                    FROM webhook_message JOIN webhook ON webhook.id = webhook_id
-                   WHERE due <= ? ORDER BY due, number LIMIT ?""",
-                (now, most),
+                   WHERE due <= ?1 AND webhook_id NOT IN (SELECT value FROM json_each(?2))
+                   GROUP BY webhook_id ORDER BY first_due, number""",
+                (now, json.dumps([each.webhook_id for each in at_work])),
             )
+            owners = Counter(each.owner for each in at_work)
+            taken: list[WebhookMessage] = []
+            for row in rows:
+                if len(taken) + len(at_work) < most and owners[row["owner"]] < of_owner:
+                    owners[row["owner"]] += 1
+                    fields = dict(row)
+                    del fields["first_due"]
+                    taken.append(WebhookMessage(**fields))
             self._database.execute_many(
                 "UPDATE webhook_message SET due = ? WHERE number = ?",
-                [(now + lease_seconds, row["number"]) for row in rows],
+                [(now + lease_seconds, message.number) for message in taken],
             )
-        return [WebhookMessage(**dict(row)) for row in rows]
+        return taken
 
     def settle(self, message: WebhookMessage, outcome: str, due: float | None) -> None:
         """Notes how an attempt went, and when there is to be another; None: never. Drops old messages."""

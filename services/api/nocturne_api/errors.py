@@ -23,6 +23,10 @@ class Overloaded(NocturneError):
     """Too much is being asked at once; the same request can succeed later."""
 
 
+class FolderSlow(Overloaded):
+    """The data folder takes too long, and others wait for it too."""
+
+
 class Refused(NocturneError):
     """The request may not be made from where it comes."""
 
@@ -123,11 +127,11 @@ TABLE: tuple[tuple[type[Exception], Kind], ...] = (
     (Overloaded, Kind("OVERLOADED", "Too much at once", 503, grpc.StatusCode.UNAVAILABLE, 5)),
     (
         ObjectStoreUnavailable,
-        Kind("STORE", "The storage does not answer", 503, grpc.StatusCode.UNAVAILABLE),
+        Kind("STORE", "The storage does not answer", 503, grpc.StatusCode.UNAVAILABLE, 5),
     ),
     (
         sqlite3.OperationalError,
-        Kind("STORE", "The storage does not answer", 503, grpc.StatusCode.UNAVAILABLE),
+        Kind("STORE", "The storage does not answer", 503, grpc.StatusCode.UNAVAILABLE, 5),
     ),
 )
 

@@ -46,8 +46,16 @@ PICTURE_PIXELS = 2**24
 PICTURE_MEMORY_BYTES = 4096 * MEBIBYTE
 PICTURE_WALL_S = 60.0
 PICTURES_AT_ONCE = 2
+PICTURES_WAITING = 8
+# Pictures on their way here, each a file; of one owner, with authentication; and how long one may take.
+PICTURES_COMING = 16
+PICTURES_OF_OWNER = 2
+PICTURE_COMES_S = 600.0
 
 DENOISE_WALL_S = 300.0
+# Callers that wait for a denoised image, and for the image of a render that goes on.
+DENOISES_WAITING = 8
+IMAGES_WAITING = 8
 
 # Measurements read an image's sums, row by row: seconds of a processor for a film of 4K.
 MEASUREMENTS_AT_ONCE = 2
@@ -73,6 +81,23 @@ NEARLY_FULL = 0.9
 # Uploads in progress, each with a thread and an open file; and one owner's, with authentication.
 UPLOADS_AT_ONCE = 128
 UPLOADS_OF_OWNER = 32
+
+# Threads that read the database beside each other. How long a call waits for one of them, or for its turn to
+# write, and then for another process that writes, seconds: callers hear within both together that it is slow.
+READERS = 4
+DATABASE_TURN_S = 5.0
+DATABASE_LOCK_S = 3.0
+# How long /readyz waits for each thing, how long its answer holds, and how long coordinators may be silent.
+READY_WAIT_S = 2.0
+READY_KEPT_S = 1.0
+COORDINATOR_SILENT_S = 30.0
+
+# How often the files of the certificate are looked at: those who renew do so days before the end.
+CERTIFICATE_LOOK_S = 10.0
+
+# Sessions of the page that are remembered, and how long one is good for.
+SESSIONS = 10_000
+SESSION_SECONDS = 7 * 86400.0
 
 # Kept lines of the record of who changed what.
 CALLS_RECORDED = 100_000

@@ -20,7 +20,10 @@ _log = logging.getLogger("nocturne_api")
 
 
 def main() -> None:
-    """Runs until SIGINT or SIGTERM. Exit status: 0 stopped, 2 can't start (standard error says why)."""
+    """Runs until SIGINT or SIGTERM; SIGHUP reads the certificate again.
+
+    Exit status: 0 stopped, 2 can't start (standard error says why).
+    """
     write_log_lines("info", "api")
     try:
         asyncio.run(_run(_settings()))
@@ -52,7 +55,12 @@ def _settings() -> Settings:
     parser.add_argument(
         "--auth", action="store_true", help="callers need a token, made by `nocturne token create`"
     )
-    parser.add_argument("--tls-certificate", type=Path, metavar="PEM", help="for REST and gRPC")
+    parser.add_argument(
+        "--tls-certificate",
+        type=Path,
+        metavar="PEM",
+        help="for REST and gRPC; read again when it is renewed, and at SIGHUP",
+    )
     parser.add_argument("--tls-key", type=Path, metavar="PEM")
     parser.add_argument(
         "--compile-memory-bytes",
@@ -65,6 +73,12 @@ def _settings() -> Settings:
         type=int,
         default=CompileLimits.cpu_seconds,
         help="processor time that compiling one scene may take (default: %(default)s)",
+    )
+    parser.add_argument(
+        "--behind-proxy",
+        action="store_true",
+        help="believe X-Forwarded-Proto and -For of a proxy before REST: the page's cookie is Secure where "
+        "that speaks https, and addresses are its callers'; only where nobody else reaches the port",
     )
     _add_quotas(parser)
     _add_storage(parser)
@@ -150,6 +164,7 @@ async def _run(settings: Settings) -> None:
     loop = asyncio.get_running_loop()
     for number in (signal.SIGINT, signal.SIGTERM):
         loop.add_signal_handler(number, stop.set)
+    loop.add_signal_handler(signal.SIGHUP, service.reload)
     await service.start()
     log = logging.getLogger("nocturne_api")
     log.info(

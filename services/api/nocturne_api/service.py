@@ -6,7 +6,6 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-import grpc
 import uvicorn
 from nocturne_coordinator.store.object_store import ObjectStore
 from nocturne_coordinator.store.quotas import Quota
@@ -14,6 +13,7 @@ from nocturne_coordinator.store.quotas import Quota
 from nocturne_api import limits
 from nocturne_api.addresses import AddressError, check_host, listen
 from nocturne_api.background.space import StorageLimits
+from nocturne_api.certificate import Certificate
 from nocturne_api.compiling.pool import CompileLimits
 from nocturne_api.grpc.server import GrpcEndpoint
 from nocturne_api.models.workers import CoreHourPrice
@@ -39,6 +39,8 @@ class Settings:
     any_address: bool = False
     auth: bool = False
     """Callers need a token."""
+    behind_proxy: bool = False
+    """A proxy asks, whose X-Forwarded-Proto and -For are believed."""
     tls_certificate: Path | None = None
     tls_key: Path | None = None
     compile_memory_bytes: int = CompileLimits.memory_bytes
@@ -73,9 +75,12 @@ class Service:
 
     def __init__(self, settings: Settings, operations: Operations) -> None:
         """Takes the addresses; raises AddressError where that fails."""
-        tls = settings.tls_certificate is not None and settings.tls_key is not None
-        loopback = check_host(settings.host, settings.any_address or (settings.auth and tls))
+        self.certificate = _certificate(settings)
+        guarded = settings.auth and self.certificate is not None
+        loopback = check_host(settings.host, settings.any_address or guarded)
         self._operations = operations
+        if self.certificate is not None:
+            operations.health.certificate = self.certificate
         self._grpc = GrpcEndpoint(operations, settings.auth)
         self._listener = listen(settings.host, settings.port)
         self.port: int = self._listener.getsockname()[1]
@@ -83,15 +88,22 @@ class Service:
         config = uvicorn.Config(
             build_rest(operations, settings.web, loopback, settings.auth),
             http=BoundedProtocol,
-            ssl_certfile=settings.tls_certificate,
-            ssl_keyfile=settings.tls_key,
+            ssl_certfile=settings.tls_certificate if self.certificate else None,
+            ssl_keyfile=settings.tls_key if self.certificate else None,
             log_level="warning",
             access_log=False,
             limit_concurrency=limits.REST_CONNECTIONS,
             server_header=False,
+            # Uvicorn believes whoever asks from this machine, unless it is told not to.
+            proxy_headers=settings.behind_proxy,
+            forwarded_allow_ips="*",
             timeout_graceful_shutdown=int(_GRACE_S),
             lifespan="off",
         )
+        if self.certificate is not None:
+            config.load()
+            assert config.ssl is not None  # noqa: S101 - it has a certificate
+            self.certificate.serve(config.ssl)
         self._http = _HttpServer(config)
         self._serving: asyncio.Task[None] | None = None
 
@@ -101,10 +113,9 @@ class Service:
         if settings.grpc_unix is not None:
             addresses.append(f"unix:{settings.grpc_unix.absolute()}")
         try:
-            tls = _grpc_credentials(settings)
             port = (
-                self._grpc.server.add_secure_port(addresses[0], tls)
-                if tls
+                self._grpc.server.add_secure_port(addresses[0], self.certificate.grpc_credentials())
+                if self.certificate
                 else self._grpc.server.add_insecure_port(addresses[0])
             )
             for address in addresses[1:]:
@@ -119,10 +130,17 @@ class Service:
     async def start(self) -> None:
         """Takes requests at both endpoints."""
         await self._grpc.start()
+        if self.certificate is not None:
+            self.certificate.start()
         self._serving = asyncio.create_task(self._http.serve(sockets=[self._listener]))
         # Uvicorn offers a flag, no event.
         while not self._http.started and not self._serving.done():  # noqa: ASYNC110
             await asyncio.sleep(0.01)
+
+    def reload(self) -> None:
+        """Reads the certificate again."""
+        if self.certificate is not None:
+            self.certificate.reload()
 
     async def end_streams(self) -> None:
         """Ends all streams; watchers see their end after the states at hand."""
@@ -131,6 +149,8 @@ class Service:
     async def stop(self) -> None:
         """Ends streams, finishes running calls, closes both endpoints and the data folder."""
         await self.end_streams()
+        if self.certificate is not None:
+            await self.certificate.close()
         self._http.should_exit = True
         await self._grpc.stop(_GRACE_S)
         if self._serving is not None:
@@ -138,11 +158,10 @@ class Service:
         await self._operations.close()
 
 
-def _grpc_credentials(settings: Settings) -> grpc.ServerCredentials | None:
+def _certificate(settings: Settings) -> Certificate | None:
     if settings.tls_certificate is None or settings.tls_key is None:
         return None
-    pair = (settings.tls_key.read_bytes(), settings.tls_certificate.read_bytes())
-    return grpc.ssl_server_credentials([pair])
+    return Certificate(settings.tls_certificate, settings.tls_key)
 
 
 async def open_service(settings: Settings) -> Service:

@@ -75,7 +75,8 @@ class Service:
         for name in missing:
             self._send("PUT", f"/v1/assets/{name}", files[name], "application/octet-stream")
             sent += len(files[name])
-            yield sent / total
+            # All of them may be empty.
+            yield sent / total if total else 1.0
 
     def create(self, job: Job) -> Json:
         """Submits a scene; gives the render."""

@@ -426,7 +426,7 @@ class Client:
     def is_ready(self) -> bool:
         """Whether the service answers."""
         try:
-            self._transport.send("GET", "/readyz")
+            self._transport.send("GET", "/readyz?exclude=merging")
         except NocturneClientError:
             return False
         return True

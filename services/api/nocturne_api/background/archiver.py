@@ -11,7 +11,7 @@ from pathlib import Path
 
 from nocturne_coordinator.errors import ObjectStoreUnavailable
 from nocturne_coordinator.store.archive import Archived
-from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_coordinator.store.data_folder import DataFolder, make_folders
 from nocturne_coordinator.store.object_store import ObjectStore
 from nocturne_scene.errors import NotFound
 
@@ -40,7 +40,7 @@ class Archiver(Background):
         ObjectStoreUnavailable."""
         found = await self._in_database(self._folder.archive.file, render_id, file.name)
         if isinstance(found, Archived):
-            file.parent.mkdir(parents=True, exist_ok=True)
+            await asyncio.to_thread(make_folders, file)
             name = found.name(render_id, file.name)
             with suppress(NotFound):
                 await asyncio.to_thread(self._objects.get, name, file, found.sha256, found.size_bytes)

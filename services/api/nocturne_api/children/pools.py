@@ -9,8 +9,7 @@ import json
 import os
 import signal
 import sys
-from collections.abc import AsyncIterator, Iterator
-from contextlib import asynccontextmanager
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -33,10 +32,12 @@ from nocturne_api.limits import (
     LEARNED_WALL_S,
     PICTURE_WALL_S,
     PICTURES_AT_ONCE,
+    PICTURES_WAITING,
     PREFLIGHT_BUDGET_S,
     PREFLIGHT_WALL_S,
 )
 from nocturne_api.models.scenes import PreflightRequest
+from nocturne_api.places import Places
 
 _DENOISE = ("-m", "nocturne_api.children.denoising")
 _IMPORT = ("-m", "nocturne_api.children.importing")
@@ -44,9 +45,11 @@ _LOOK_UP = ("-m", "nocturne_api.children.learned")
 _PREFLIGHT = ("-m", "nocturne_api.children.preflight")
 _READ = ("-m", "nocturne_api.children.picture")
 
-_imports = asyncio.Semaphore(IMPORTS_AT_ONCE)
-_lookups = asyncio.Semaphore(LEARNED_AT_ONCE)
-_pictures = asyncio.Semaphore(PICTURES_AT_ONCE)
+_imports = Places(IMPORTS_AT_ONCE, 0, f"{IMPORTS_AT_ONCE} scenes are being imported; try again in a minute")
+_lookups = Places(LEARNED_AT_ONCE, 0, f"{LEARNED_AT_ONCE} places are being looked up; try again")
+_pictures = Places(
+    PICTURES_AT_ONCE, PICTURES_WAITING, f"{PICTURES_AT_ONCE} pictures are being read; try again."
+)
 
 
 async def answer_of(program: tuple[str, ...], job: dict[str, Any], seconds: float) -> dict[str, Any] | None:
@@ -76,14 +79,6 @@ async def answer_of(program: tuple[str, ...], job: dict[str, Any], seconds: floa
     return answer
 
 
-@asynccontextmanager
-async def _one_of(places: asyncio.Semaphore, busy: str) -> AsyncIterator[None]:
-    if places.locked():
-        raise Overloaded(busy)
-    async with places:
-        yield
-
-
 async def denoise_in_child(image: Path, folder: Path) -> None:
     """Writes the files of `children.denoising` into `folder`. Raises NotFound, which says why."""
     try:
@@ -102,7 +97,7 @@ async def picture_as_tiles(file: Path, tiles: Path, edge: int) -> None:
     Raises InputError for a file that can't be shown, Overloaded where others are being read.
     """
     job = {"file": str(file), "tiles": str(tiles), "edge": edge}
-    async with _one_of(_pictures, f"{PICTURES_AT_ONCE} pictures are being read; try again."):
+    async with _pictures.one():
         try:
             answer = await answer_of(_READ, job, PICTURE_WALL_S)
         except TimeoutError:
@@ -116,7 +111,7 @@ async def import_in_child(job: dict[str, Any]) -> dict[str, Any]:
 
     Raises InputError for a scene that can't be imported, or not within the bounds; Overloaded.
     """
-    async with _one_of(_imports, f"{IMPORTS_AT_ONCE} scenes are being imported; try again in a minute"):
+    async with _imports.one():
         try:
             answer = await answer_of(_IMPORT, job, IMPORT_WALL_S)
         except TimeoutError:
@@ -152,7 +147,7 @@ async def learned_in_child(place: Place, blobs: BlobStore, limits: CompileLimits
         "y": place.y,
         **_bounds(blobs, limits),
     }
-    async with _one_of(_lookups, f"{LEARNED_AT_ONCE} places are being looked up; try again"):
+    async with _lookups.one():
         try:
             answer = await answer_of(_LOOK_UP, job, LEARNED_WALL_S)
         except TimeoutError:

@@ -66,12 +66,14 @@ def compile_in_child(
     blobs: BlobStore,
     limits: CompileLimits,
     film: Film | None = None,
+    abandoned: threading.Event | None = None,
 ) -> CompiledOutput:
     """Compiles into `blobs`. Takes as long as it takes. `film`: see `compile_scene`.
 
-    Raises InputError where the scene is wrong, or needs more than it may take; ObjectStoreUnavailable.
+    Raises InputError where the scene is wrong, or needs more than it may take; ObjectStoreUnavailable; and
+    Abandoned when `abandoned` is set before it is compiled: the child is ended.
     """
-    output = _ask_child((document, *_place_of(blobs), limits, film, ()), limits)
+    output = _ask_child((document, *_place_of(blobs), limits, film, ()), limits, abandoned)
     assert isinstance(output, CompiledOutput)  # noqa: S101 - what a child without layers sends
     return output
 

@@ -13,7 +13,9 @@ import signal
 import socket
 import sys
 import tempfile
+import threading
 import traceback
+from contextlib import suppress
 from multiprocessing.connection import Connection
 from pathlib import Path
 
@@ -70,6 +72,9 @@ def main() -> None:
 def _compile(caller: "Connection[object, object]") -> None:
     request = caller.recv()
     assert isinstance(request, tuple)  # noqa: S101 - our own parent sent it
+    # With the programs that the compiler starts.
+    os.setpgid(0, 0)
+    threading.Thread(target=_end_with, args=(caller,), daemon=True).start()
     document, root, objects, limits, film, layers = request
     bound(limits)
     try:
@@ -86,6 +91,13 @@ def _compile(caller: "Connection[object, object]") -> None:
         caller.send([Problem("$.scene", f"needs more than {most} MiB to compile")])
     except Exception:
         traceback.print_exc()
+
+
+def _end_with(caller: "Connection[object, object]") -> None:
+    """Whoever asked closes the connection, or dies, when nobody waits for the answer any more."""
+    with suppress(EOFError, OSError):
+        caller.recv_bytes()
+    os.killpg(0, signal.SIGKILL)
 
 
 def bound(limits: CompileLimits) -> None:

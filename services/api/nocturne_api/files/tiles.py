@@ -31,6 +31,7 @@ MEDIA_TYPE = "application/vnd.nocturne.tiles"
 _MAGIC = b"NXY1"
 _PIXEL_BYTES = 16
 _LARGEST = 2**32 - 1
+_LONGEST = len(str(_LARGEST))
 
 
 @dataclass(frozen=True, order=True)
@@ -53,10 +54,12 @@ class Cursor:
             revision.isascii() and revision.isdecimal() and tile_index.isascii() and tile_index.isdecimal()
         ):
             raise InputError.at("query.since", "expected REVISION.TILE, as an answer's ETag has it")
-        cursor = cls(int(revision), int(tile_index))
-        if max(cursor.revision, cursor.tile_index) > _LARGEST:
-            raise InputError.at("query.since", f"expected numbers up to {_LARGEST}")
-        return cursor
+        # Python refuses to read thousands of digits.
+        if max(len(revision), len(tile_index)) <= _LONGEST:
+            cursor = cls(int(revision), int(tile_index))
+            if max(cursor.revision, cursor.tile_index) <= _LARGEST:
+                return cursor
+        raise InputError.at("query.since", f"expected numbers up to {_LARGEST}")
 
 
 @dataclass(frozen=True)

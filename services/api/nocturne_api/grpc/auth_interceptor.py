@@ -30,8 +30,12 @@ _UNREADABLE = object()
 class AuthInterceptor(grpc.aio.ServerInterceptor):
     """Admits callers with a token, and all by the Unix socket, which its folder's permissions protect."""
 
-    def __init__(self, identify: Callable[[str], Awaitable[Caller]] | None) -> None:
-        """`identify` gives who has a secret; without it, anybody may do anything."""
+    def __init__(
+        self, identify: Callable[[str], Awaitable[Caller]] | None, check_folder: Callable[[], None]
+    ) -> None:
+        """`identify` gives who has a secret; without it, anybody may do anything. `check_folder` raises where
+        the data folder is gone."""
+        self._check_folder = check_folder
         self._authenticator = None if identify is None else Authenticator(identify)
         self._calls: Counter[str] = Counter()
 
@@ -92,6 +96,7 @@ class AuthInterceptor(grpc.aio.ServerInterceptor):
     async def _admitted(self, request: Any, context: Context) -> Any:
         """The request, or those that stream in, once the caller is known; else the call ends here."""
         async with Answering(context):
+            self._check_folder()
             if self._authenticator is not None and not context.peer().startswith("unix:"):
                 metadata = dict(context.invocation_metadata() or ())
                 secret = secret_in(str(metadata.get("authorization", "")))

@@ -43,7 +43,9 @@ class GrpcEndpoint:
         self.server = grpc.aio.server(
             options=_OPTIONS,
             maximum_concurrent_rpcs=limits.GRPC_CALLS,
-            interceptors=[AuthInterceptor(operations.identify if authenticate else None)],
+            interceptors=[
+                AuthInterceptor(operations.identify if authenticate else None, operations.check_folder)
+            ],
         )
         self._health = health.aio.HealthServicer()
         calls = calls_of(operations)

@@ -93,12 +93,12 @@ class Assets:
         """Counts the file as the caller's from its first byte, so that uploads side by side pass no quota."""
         uploads = self._access.folder.uploads
         begin = (owner, sha256, size_bytes, self._access.quota)
-        is_new = await self._access.in_database(uploads.begin, *begin)
+        is_new = await self._access.writing(uploads.begin, *begin)
         try:
             yield
         except BaseException:
             if is_new:
-                await asyncio.shield(self._access.in_database(uploads.take_back, owner, sha256))
+                await asyncio.shield(self._access.writing(uploads.take_back, owner, sha256))
             raise
 
     async def adopt(self, files: Mapping[str, Path]) -> None:

@@ -1,6 +1,8 @@
 """Calls into the data folder, from the event loop, and the record of those that change something."""
 
 import asyncio
+import logging
+import sqlite3
 from collections.abc import AsyncIterator, Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import asynccontextmanager
@@ -15,7 +17,12 @@ from nocturne_coordinator.store.quotas import NO_QUOTA, Quota
 
 from nocturne_api import limits
 from nocturne_api.access import CALLER
-from nocturne_api.errors import failure_of
+from nocturne_api.errors import FolderSlow, failure_of
+
+_log = logging.getLogger(__name__)
+
+CANCELLED = "CANCELLED"
+"""How a call ended whose caller left before its end."""
 
 _P = ParamSpec("_P")
 _T = TypeVar("_T")
@@ -28,24 +35,48 @@ class Record:
     render_id: str
 
 
+class _Threads:
+    """Some threads, and who waits for one; not for long, and not any more when its caller has left."""
+
+    def __init__(self, name: str, number: int) -> None:
+        self._pool = ThreadPoolExecutor(number, thread_name_prefix=name)
+        self._free = asyncio.Semaphore(number)
+
+    async def run(self, call: Callable[[], _T]) -> _T:
+        """Raises FolderSlow where no thread is free for too long."""
+        try:
+            async with asyncio.timeout(limits.DATABASE_TURN_S):
+                await self._free.acquire()
+        except TimeoutError:
+            raise FolderSlow("the data folder is slow, and others wait for it; try again") from None
+        loop = asyncio.get_running_loop()
+        running = self._pool.submit(call)
+        # When the thread is free, which is later than the end of a call that was cancelled.
+        running.add_done_callback(lambda _: loop.call_soon_threadsafe(self._free.release))
+        return await asyncio.wrap_future(running)
+
+    def close(self) -> None:
+        self._pool.shutdown()
+
+
 class FolderAccess:
-    """A data folder whose database is used by one thread, so that calls follow each other and block no one.
+    """A data folder whose database some threads read, beside each other, and one writes.
 
     Compiling and file reads run elsewhere, never in front of them.
     """
 
-    def __init__(self, folder: DataFolder, database: ThreadPoolExecutor, quota: Quota = NO_QUOTA) -> None:
+    def __init__(self, folder: DataFolder, quota: Quota = NO_QUOTA) -> None:
         """`quota`: what each owner may have."""
         self.folder = folder
+        folder.database.read_beside(limits.DATABASE_LOCK_S)
         self._quota = quota
-        self._database = database
+        self._readers = _Threads("reads", limits.READERS)
+        self._writer = _Threads("writes", 1)
 
     @classmethod
     async def open(cls, path: Path, objects: ObjectStore | None, quota: Quota = NO_QUOTA) -> Self:
         """Opens the data folder at `path`, making it if need be."""
-        database = ThreadPoolExecutor(max_workers=1, thread_name_prefix="data-folder")
-        folder = await asyncio.get_running_loop().run_in_executor(database, DataFolder, path, objects)
-        return cls(folder, database, quota)
+        return cls(await asyncio.to_thread(DataFolder, path, objects), quota)
 
     @property
     def quota(self) -> Quota:
@@ -54,13 +85,17 @@ class FolderAccess:
 
     async def close(self) -> None:
         """Lets go of the data folder."""
-        await self.in_database(self.folder.close)
-        self._database.shutdown()
+        for threads in (self._readers, self._writer):
+            await asyncio.to_thread(threads.close)
+        self.folder.close()
 
     async def in_database(self, call: Callable[_P, _T], *args: _P.args, **kwargs: _P.kwargs) -> _T:
-        """Runs a call in the thread of the database."""
-        loop = asyncio.get_running_loop()
-        return await loop.run_in_executor(self._database, partial(call, *args, **kwargs))
+        """Runs a call that reads."""
+        return await self._readers.run(partial(call, *args, **kwargs))
+
+    async def writing(self, call: Callable[_P, _T], *args: _P.args, **kwargs: _P.kwargs) -> _T:
+        """Runs a call that writes; one after the other, as SQLite lets them."""
+        return await self._writer.run(partial(call, *args, **kwargs))
 
     @asynccontextmanager
     async def changing(self, what: str, render_id: str, request_id: str = "") -> AsyncIterator[str]:
@@ -75,19 +110,31 @@ class FolderAccess:
     async def recorded(self, what: str, render_id: str = "", request_id: str = "") -> AsyncIterator[Record]:
         """Keeps a line of a call that changes something, or tried to."""
         record = Record(render_id)
-        outcome = "done"
         try:
             yield record
-        except Exception as error:
-            outcome = failure_of(error).kind.reason
+        except asyncio.CancelledError:
+            await asyncio.shield(self._keep(record, what, request_id, CANCELLED))
             raise
-        finally:
-            await self.in_database(
+        except (sqlite3.OperationalError, FolderSlow):
+            # What could not be written changed nothing, and a line of it could not be written either.
+            raise
+        except Exception as error:
+            await self._keep(record, what, request_id, failure_of(error).kind.reason)
+            raise
+        await self._keep(record, what, request_id, "done")
+
+    async def _keep(self, record: Record, what: str, request_id: str, outcome: str) -> None:
+        """Not having the line is no reason to fail a call that did what it was to do."""
+        who = CALLER.get().name
+        try:
+            await self.writing(
                 self.folder.calls.record,
-                CALLER.get().name,
+                who,
                 what,
                 record.render_id[: limits.RECORDED_CHARACTERS],
                 request_id[: limits.RECORDED_CHARACTERS],
                 outcome,
                 limits.CALLS_RECORDED,
             )
+        except (sqlite3.OperationalError, FolderSlow) as trouble:
+            _log.error("not recorded: %s of %s by %s: %s: %s", what, record.render_id, who, outcome, trouble)

@@ -1,4 +1,4 @@
-"""Health: whether the data folder answers, and figures in the text format of Prometheus."""
+"""Health: figures in the text format of Prometheus."""
 
 from collections.abc import Iterator, Mapping
 
@@ -9,6 +9,7 @@ from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metri
 
 from nocturne_api.access import CALLER
 from nocturne_api.background.space import Space
+from nocturne_api.certificate import Certificate
 from nocturne_api.operations.folder_access import FolderAccess
 
 _METERS = {
@@ -39,6 +40,7 @@ _SPACE = {
     "data_bytes": "Size of the data folder when it was last looked at.",
     "data_bytes_bound": "Size at which it takes no more uploads and renders; 0: none.",
     "disk_free_bytes": "What is free on its disk.",
+    "certificate_expires": "Unix time at which the certificate of REST and gRPC ends; 0: there is no TLS.",
 }
 
 
@@ -89,10 +91,11 @@ class _Collector:
         yield GaugeMetricFamily("nocturne_rays_per_second", about, value=rate)
 
 
-def metrics_text(folder: DataFolder, space: Mapping[str, float]) -> bytes:
-    """Prometheus' text format, version 0.0.4; `space`: by name, as in Space.figures."""
+def metrics_text(folder: DataFolder, space: Mapping[str, float], expires: float = 0.0) -> bytes:
+    """Prometheus' text format, version 0.0.4; `space`: by name, as in Space.figures. `expires`: the
+    certificate."""
     registry = CollectorRegistry()
-    registry.register(_Collector(folder, space))
+    registry.register(_Collector(folder, {**space, "certificate_expires": expires}))
     return generate_latest(registry)
 
 
@@ -102,16 +105,15 @@ class Health:
     def __init__(self, access: FolderAccess, space: Space) -> None:
         self._access = access
         self._space = space
+        self.certificate: Certificate | None = None
+        """With TLS, its certificate."""
 
     async def metrics(self) -> bytes:
         """Counts and states in the text format of Prometheus."""
         CALLER.get().need("read")
-        return await self._access.in_database(metrics_text, self._access.folder, self._space.figures())
-
-    async def ready(self) -> bool:
-        """Whether the data folder answers."""
-        try:
-            await self._access.in_database(self._access.folder.change_counter)
-        except Exception:
-            return False
-        return True
+        return await self._access.in_database(
+            metrics_text,
+            self._access.folder,
+            self._space.figures(),
+            self.certificate.expires if self.certificate else 0.0,
+        )

@@ -7,12 +7,14 @@ import tempfile
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
+from typing import BinaryIO
 
 from nocturne_coordinator.output.pictures import layers_of
 from nocturne_coordinator.store.render_log import log_of
 from nocturne_scene.errors import NotFound
 from nocturne_scene.limits import MAX_RANGES
 
+from nocturne_api import limits
 from nocturne_api.access import CALLER
 from nocturne_api.background.archiver import Archiver
 from nocturne_api.children.pools import denoise_in_child
@@ -23,6 +25,7 @@ from nocturne_api.limits import PICTURE_PIXELS
 from nocturne_api.models.renders import Render
 from nocturne_api.operations.folder_access import FolderAccess
 from nocturne_api.operations.renders import Renders
+from nocturne_api.places import Places, to_the_end
 
 
 class Images:
@@ -34,7 +37,8 @@ class Images:
         self._folder = access.folder
         self._renders = renders
         self._archiver = archiver
-        self._writing = asyncio.Semaphore(1)
+        # One after the other: each holds all sums of a film.
+        self._writing = Places(1, limits.IMAGES_WAITING, "Other images are being written; try again.")
         self._tile_answers = TileAnswers(self._read_tiles)
 
     async def open_thumbnail(self, render_id: str) -> OpenFile:
@@ -71,13 +75,12 @@ class Images:
         return runs([change.tile_index for change in changes if change.revision <= last])
 
     async def _current_image(self, render_id: str) -> OpenFile:
-        # One after the other: each holds all sums of a film.
-        async with self._writing:
-            current = await self._access.in_database(read_current, self._folder, render_id)
+        async with self._writing.one():
+            current = await to_the_end(read_current, self._folder, render_id)
             layers = await asyncio.to_thread(layers_of, self._folder, current[0].layers_sha256)
             with tempfile.TemporaryDirectory(prefix="nocturne-image-") as folder:
                 path = Path(folder) / "image.exr"
-                await asyncio.to_thread(write_current, path, *current, layers)
+                await to_the_end(write_current, path, *current, layers)
                 opened = await open_file(path)
         if opened is None:
             raise NotFound("no image yet")
@@ -111,7 +114,7 @@ class Denoised:
         self._renders = renders
         self._images = images
         self._kept = tempfile.TemporaryDirectory(prefix="nocturne-denoised-", ignore_cleanup_errors=True)
-        self._one_by_one = asyncio.Lock()
+        self._one_by_one = Places(1, limits.DENOISES_WAITING, "Other images are being denoised; try again.")
 
     def close(self) -> None:
         """Removes the kept pictures."""
@@ -123,8 +126,8 @@ class Denoised:
         if render.width * render.height > PICTURE_PIXELS:
             raise NotFound(f"images of more than {PICTURE_PIXELS} pixels are not denoised")
         folder = Path(self._kept.name) / f"{render.id}-{render.sequence}"
-        async with self._one_by_one:
-            if not folder.exists():
+        async with self._one_by_one.one():
+            if not await asyncio.to_thread(folder.exists):
                 await self._make(render.id, folder)
             opened = await open_file(folder / name)
         if opened is None:
@@ -135,12 +138,16 @@ class Denoised:
         root = Path(self._kept.name)
         image = await self._images.open_exr(render_id)
         await asyncio.to_thread(_empty, root)
-        with image.file, (root / "image.exr").open("wb") as file:
-            await asyncio.to_thread(shutil.copyfileobj, image.file, file)
         unfinished = root / "unfinished"
-        unfinished.mkdir()
+        await to_the_end(_copy, image.file, root / "image.exr", unfinished)
         await denoise_in_child(root / "image.exr", unfinished)
-        unfinished.rename(folder)
+        await asyncio.to_thread(unfinished.rename, folder)
+
+
+def _copy(image: BinaryIO, file: Path, folder: Path) -> None:
+    with image, file.open("wb") as copy:
+        shutil.copyfileobj(image, copy)
+    folder.mkdir()
 
 
 def _empty(folder: Path) -> None:

@@ -58,7 +58,7 @@ class Measurements:
         async with self._access.changing("keep regions", render_id) as whole_id:
             render = await self._renders.get(whole_id)
             wanted = _checked(regions, render, "$.regions")
-            await self._access.in_database(self._access.folder.measured_regions.keep, whole_id, wanted)
+            await self._access.writing(self._access.folder.measured_regions.keep, whole_id, wanted)
             return _kept(wanted)
 
     async def measure(self, render_id: str, request: models.MeasureRequest) -> models.Measurements:

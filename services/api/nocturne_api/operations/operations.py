@@ -18,6 +18,7 @@ from nocturne_api.operations.folder_access import FolderAccess
 from nocturne_api.operations.health import Health
 from nocturne_api.operations.images import Bundles, Denoised, Images
 from nocturne_api.operations.measurements import Measurements
+from nocturne_api.operations.readiness import Readiness
 from nocturne_api.operations.readings import LearnedLights, Readings
 from nocturne_api.operations.render_controls import RenderControls
 from nocturne_api.operations.render_streams import RenderStreams
@@ -42,11 +43,11 @@ class Operations:
     ) -> None:
         folder = access.folder
         objects = folder.object_store
-        archiver = None if objects is None else Archiver(folder, access.in_database, objects)
+        archiver = None if objects is None else Archiver(folder, access.writing, objects)
         sweeper = Sweeper(folder, storage.unused_seconds)
         space = Space(folder.root, storage.data_bytes)
-        layers_maker = LayersMaker(folder, access.in_database, compile_limits, space)
-        sender = WebhookSender(folder.webhooks, access.in_database, webhook_rules)
+        layers_maker = LayersMaker(folder, access.writing, compile_limits, space)
+        sender = WebhookSender(folder.webhooks, access.writing, webhook_rules)
         self._access = access
         self._background = [sender, *([archiver] if archiver else []), sweeper, space, layers_maker]
 
@@ -68,6 +69,7 @@ class Operations:
         self.assets = Assets(access, space)
         self.imports = Imports(access, self.assets)
         self.health = Health(access, space)
+        self.readiness = Readiness(access, self.renders)
 
         for task in self._background:
             task.start()
@@ -94,6 +96,10 @@ class Operations:
             storage or StorageLimits(),
             price or CoreHourPrice(),
         )
+
+    def check_folder(self) -> None:
+        """Raises FolderGone where the data folder was moved away or replaced. Microseconds."""
+        self._access.folder.check_place()
 
     async def identify(self, secret: str) -> Caller:
         """Who has the token with this secret; raises Unauthenticated."""

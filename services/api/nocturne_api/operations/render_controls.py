@@ -27,7 +27,7 @@ class RenderControls:
         async with self._access.changing("cancel", render_id, request_id) as whole_id:
             if request_id:
                 raise_if(request_id_problems(request_id))
-            return Render.of(await self._access.in_database(self._folder.requests.cancel, whole_id))
+            return Render.of(await self._access.writing(self._folder.requests.cancel, whole_id))
 
     async def pause(self, render_id: str) -> Render:
         """Stops work on a render until it is resumed; merged samples stay. Raises NotFound, WrongState."""
@@ -80,11 +80,11 @@ class RenderControls:
                     message = f"it would end at once, by {met}; give a new value, or drop the condition"
                     raise InputError.at("$.stop", message)
             return Render.of(
-                await self._access.in_database(
+                await self._access.writing(
                     self._folder.requests.extend, whole_id, wanted, changed, self._access.quota
                 )
             )
 
     async def _change(self, what: str, render_id: str, change: Callable[[str], RenderRow]) -> Render:
         async with self._access.changing(what, render_id) as whole_id:
-            return Render.of(await self._access.in_database(change, whole_id))
+            return Render.of(await self._access.writing(change, whole_id))

@@ -5,6 +5,7 @@ import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
+from functools import partial
 
 from nocturne_coordinator.errors import FilesGone
 from nocturne_coordinator.limits import MAX_PAGE
@@ -38,6 +39,7 @@ from nocturne_api.operations.folder_access import FolderAccess
 from nocturne_api.operations.group_members import Member, Members
 from nocturne_api.operations.status_reason import sentence, situation_of
 from nocturne_api.operations.submission import compiled_member, raise_if, request_id_problems
+from nocturne_api.places import until_abandoned
 
 
 class Renders:
@@ -145,9 +147,7 @@ class Renders:
             owner = CALLER.get().name
             whole_id = (await access.in_database(access.folder.renders.find, render_id, CALLER.get().sees)).id
             return Render.of(
-                await access.in_database(
-                    access.folder.requests.replay, whole_id, request_id, owner, access.quota
-                )
+                await access.writing(access.folder.requests.replay, whole_id, request_id, owner, access.quota)
             )
 
     async def baselines(self, render_id: str) -> Baselines:
@@ -186,6 +186,14 @@ class Renders:
         found = await self._access.in_database(self._access.folder.tiles.at_work, render.id)
         return TilesInProgress(tiles=[TileInProgress(tile=tile, worker=worker) for tile, worker in found])
 
+    def check_room(self) -> None:
+        """Raises FolderFull where a new render would find no room, Overloaded where too many wait already."""
+        self._space.check()
+        if self._waiting.total() >= limits.COMPILES_WAITING:
+            raise Overloaded(
+                f"{limits.COMPILES_WAITING} scenes are waiting to be compiled; try again in a moment."
+            )
+
     def _check_quota(self, first: Member, renders: int, owner: str, quota: Quota) -> None:
         """Before anything is compiled; who asks again gets what there is."""
         if self._access.folder.renders.find_request(owner, first.request_id) is None:
@@ -201,18 +209,15 @@ class Renders:
                 # Members of several groups, and single renders, in turn.
                 async with self._compiling:
                     asked = request, member, access.folder, owner, self._compile_limits
-                    new.append(await asyncio.to_thread(compiled_member, *asked))
+                    new.append(await until_abandoned(partial(compiled_member, *asked)))
             # Files that were deleted in between are made again, or found missing by the compiler.
             with suppress(FilesGone):
-                return await access.in_database(access.folder.renders.create_all, new, access.quota)
+                return await access.writing(access.folder.renders.create_all, new, access.quota)
 
     @contextmanager
     def _waiting_for_compiler(self) -> Iterator[None]:
         owner = CALLER.get().name
-        if self._waiting.total() >= limits.COMPILES_WAITING:
-            raise Overloaded(
-                f"{limits.COMPILES_WAITING} scenes are waiting to be compiled; try again in a moment."
-            )
+        self.check_room()
         if owner and self._waiting[owner] >= limits.COMPILES_WAITING_OF_OWNER:
             raise TooMany(
                 f"{self._waiting[owner]} scenes of {owner} are being compiled; send them one by one"

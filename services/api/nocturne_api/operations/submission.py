@@ -2,6 +2,7 @@
 
 import json
 import re
+import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from datetime import UTC, datetime
@@ -36,20 +37,26 @@ def compiled_member(
     folder: DataFolder,
     owner: str,
     compile_limits: CompileLimits,
+    abandoned: threading.Event,
 ) -> NewRender:
     """A member of a group; as `compiled`, with problems that name the member."""
     try:
-        return compiled(member.request(asked), folder, owner, compile_limits)
+        return compiled(member.request(asked), folder, owner, compile_limits, abandoned)
     except InputError as error:
         raise member.located(error) from None
 
 
 def compiled(
-    request: CreateRenderRequest, folder: DataFolder, owner: str, compile_limits: CompileLimits
+    request: CreateRenderRequest,
+    folder: DataFolder,
+    owner: str,
+    compile_limits: CompileLimits,
+    abandoned: threading.Event | None = None,
 ) -> NewRender:
     """The render that `request` asks for, its scene compiled into the folder's blobs.
 
-    Raises InputError with all problems, and then leaves nothing behind. Can take seconds of processor time.
+    Raises InputError with all problems, and then leaves nothing behind; Abandoned when that event is set. Can
+    take seconds of processor time.
     """
     found = _Problems()
     found.add(_text_problems(request))
@@ -92,17 +99,21 @@ def compiled(
         tags=tags,
     )
     if before is None:
-        return _with_scene(new, document, folder, compile_limits)
+        return _with_scene(new, document, folder, compile_limits, abandoned)
     schedule, sha256 = folder.renders.schedule(before.id), before.scene_sha256
     return replace(new, scene_sha256=sha256, schedule=schedule, warnings=before.warnings, way=before.way)
 
 
 def _with_scene(
-    new: NewRender, document: SceneDocument, folder: DataFolder, compile_limits: CompileLimits
+    new: NewRender,
+    document: SceneDocument,
+    folder: DataFolder,
+    compile_limits: CompileLimits,
+    abandoned: threading.Event | None,
 ) -> NewRender:
     check_can_make(new.layers)
     film = new.width, new.height, new.samples
-    output = compile_in_child(document, folder.blobs, compile_limits, Film(*film))
+    output = compile_in_child(document, folder.blobs, compile_limits, Film(*film), abandoned)
     for sha256 in output.blobs:
         # Here too, not in the object store only.
         folder.blobs.path(sha256)

@@ -23,7 +23,7 @@ class Webhooks:
             CALLER.get().need("submit")
             self._rules.admit(url)
             owner = CALLER.get().name
-            webhook, secret = await self._access.in_database(self._webhooks.create, owner, url)
+            webhook, secret = await self._access.writing(self._webhooks.create, owner, url)
             return NewWebhook(secret=secret, **asdict(webhook))
 
     async def list(self) -> WebhookList:
@@ -38,4 +38,4 @@ class Webhooks:
         """Tells it nothing more. Raises NotFound."""
         async with self._access.recorded(f"delete webhook {webhook_id[: limits.RECORDED_CHARACTERS]}"):
             CALLER.get().need_own(await self._access.in_database(self._webhooks.owner_of, webhook_id))
-            await self._access.in_database(self._webhooks.delete, webhook_id)
+            await self._access.writing(self._webhooks.delete, webhook_id)

@@ -78,13 +78,13 @@ class Workers:
         async with self._access.recorded(f"drain {worker_id[:80]}"):
             caller = CALLER.get()
             caller.need("admin")
-            await self._access.in_database(self._folder.workers.drain, worker_id, caller.name)
+            await self._access.writing(self._folder.workers.drain, worker_id, caller.name)
 
     async def release(self, worker_id: str) -> None:
         """Gives a worker in quarantine, or a drained one, jobs again; raises NotFound."""
         async with self._access.recorded(f"release {worker_id[:80]}"):
             CALLER.get().need("admin")
-            await self._access.in_database(self._folder.workers.release, worker_id)
+            await self._access.writing(self._folder.workers.release, worker_id)
 
 
 class Machines:
@@ -101,9 +101,7 @@ class Machines:
         if not caller.name:
             raise InputError.at("token", "a machine enrols with a token of its own")
         async with self._access.recorded(f"enrol {caller.name} {node[:80]}".rstrip()):
-            machine, key = await self._access.in_database(
-                self._access.folder.machines.enrol, caller.name, node
-            )
+            machine, key = await self._access.writing(self._access.folder.machines.enrol, caller.name, node)
         return Enrolment(
             machine=machine,
             key=key,

@@ -26,7 +26,8 @@ from nocturne_api.rest import (
 )
 from nocturne_api.rest.contract import DescribedApp, errors
 from nocturne_api.rest.middleware import SecurityMiddleware
-from nocturne_api.rest.protocol import LingeringMiddleware
+from nocturne_api.rest.protocol import LeavingMiddleware, LingeringMiddleware
+from nocturne_api.rest.sessions import Sessions
 
 _ROUTERS = (
     renders,
@@ -63,9 +64,11 @@ def build_rest(operations: Operations, web: Path, loopback_only: bool, authentic
     """The ASGI application over `operations`, with the page in the folder `web` at `/`."""
     app = described_app()
     app.state.operations = operations
+    app.state.sessions = sessions = Sessions()
     app.state.page = app.router.default = page.Page(web)
     identify = operations.identify if authenticate else None
-    return LingeringMiddleware(SecurityMiddleware(app, loopback_only, identify))
+    guarded = SecurityMiddleware(app, loopback_only, identify, operations.check_folder, sessions)
+    return LingeringMiddleware(LeavingMiddleware(guarded))
 
 
 def _name_of(route: APIRoute) -> str:

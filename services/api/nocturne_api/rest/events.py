@@ -17,6 +17,8 @@ from nocturne_api.rest.requests import Service
 
 router = APIRouter(prefix="/v1", tags=["events"])
 
+_LONGEST_ID = 18
+"""Digits: a number of 64 bits."""
 _BEGUN = ServerSentEvent(comment="watching")
 """Sent at once: some proxies hold an answer back until it has a body."""
 
@@ -24,7 +26,11 @@ _BEGUN = ServerSentEvent(comment="watching")
 async def _states_of_one(
     render_id: str, operations: Service, response: Response, last_event_id: Annotated[str, Header()] = ""
 ) -> AsyncIterator[States]:
-    known = int(last_event_id) if last_event_id.isascii() and last_event_id.isdecimal() else -1
+    known = -1
+    if last_event_id.isascii() and last_event_id.isdecimal():
+        if len(last_event_id) > _LONGEST_ID:
+            raise InputError.at("header.Last-Event-ID", f"expected at most {_LONGEST_ID} digits")
+        known = int(last_event_id)
     render = await operations.renders.get(render_id)
     if render.has_ended and render.sequence <= known:
         response.status_code = 204

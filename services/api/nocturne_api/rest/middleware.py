@@ -10,6 +10,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from nocturne_api.access import CALLER, Authenticator, Caller, secret_in
 from nocturne_api.errors import Refused, Unauthenticated, failure_of
 from nocturne_api.rest.problems import response_of
+from nocturne_api.rest.sessions import Sessions
 
 Identify = Callable[[str], Awaitable[Caller]]
 
@@ -47,9 +48,19 @@ class SecurityMiddleware:
     `loopback_only`: the service is bound to this machine, so any Host but a loopback name is DNS rebinding.
     """
 
-    def __init__(self, app: ASGIApp, loopback_only: bool, identify: Identify | None = None) -> None:
-        """`identify` gives who has a secret; without it, anybody may do anything."""
+    def __init__(
+        self,
+        app: ASGIApp,
+        loopback_only: bool,
+        identify: Identify | None = None,
+        check_folder: Callable[[], None] = lambda: None,
+        sessions: Sessions | None = None,
+    ) -> None:
+        """`identify` gives who has a secret; without it, anybody may do anything. `check_folder` raises where
+        the data folder is gone."""
         self._app = app
+        self._check_folder = check_folder
+        self._sessions = sessions or Sessions()
         self._loopback_only = loopback_only
         self._authenticator = None if identify is None else Authenticator(identify)
 
@@ -67,15 +78,16 @@ class SecurityMiddleware:
 
         refusal = self._refusal(scope["method"], Headers(scope=scope))
         app = response_of(failure_of(Refused(refusal))) if refusal else self._app
-        if app is self._app and self._authenticator is not None and _needs_token(scope["path"]):
+        if app is self._app and _needs_token(scope["path"]):
             address = scope["client"][0] if scope.get("client") else ""
             try:
-                caller = await self._authenticator.authenticate(_secret(Headers(scope=scope)), address)
+                self._check_folder()
+                if self._authenticator is not None:
+                    secret = _secret(Headers(scope=scope), self._sessions)
+                    CALLER.set(await self._authenticator.authenticate(secret, address))
             except Exception as error:
                 headers = _challenge(Headers(scope=scope)) if isinstance(error, Unauthenticated) else None
                 app = response_of(failure_of(error), headers)
-            else:
-                CALLER.set(caller)
         await app(scope, receive, send_with_headers)
 
     def _refusal(self, method: str, headers: Headers) -> str:
@@ -88,13 +100,13 @@ class SecurityMiddleware:
         return ""
 
 
-def _secret(headers: Headers) -> str:
-    """The token of a request: in its own header, or in the page's cookie."""
+def _secret(headers: Headers, sessions: Sessions) -> str:
+    """The token of a request: in its own header, or that of the session in the page's cookie."""
     cookies = cookie_parser(headers.get("cookie", ""))
     authorization = headers.get("authorization", "")
-    return (
-        cookies[TOKEN_COOKIE] if TOKEN_COOKIE in cookies and not authorization else secret_in(authorization)
-    )
+    if TOKEN_COOKIE in cookies and not authorization:
+        return sessions.secret(cookies[TOKEN_COOKIE])
+    return secret_in(authorization)
 
 
 def _challenge(headers: Headers) -> dict[str, str]:

@@ -1,26 +1,31 @@
 """Image files from elsewhere, which the page compares with a render."""
 
 import asyncio
-from collections.abc import Iterator
-from contextlib import ExitStack
+from collections import Counter
+from collections.abc import AsyncIterator, Iterator
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, Request
 from nocturne_scene.errors import InputError
-from starlette.background import BackgroundTask
 from starlette.responses import Response, StreamingResponse
 
+from nocturne_api import limits
 from nocturne_api.access import CALLER
 from nocturne_api.children.pools import picture_as_tiles
-from nocturne_api.errors import Overloaded
+from nocturne_api.errors import Overloaded, TooMany, TooSlow
 from nocturne_api.files.tiles import MEDIA_TYPE
 from nocturne_api.limits import CHUNK_BYTES, PICTURE_BYTES
+from nocturne_api.places import to_the_end
 from nocturne_api.rest.contract import answers, errors
 from nocturne_api.rest.requests import declared_bytes, pieces
 
 router = APIRouter(prefix="/v1/pictures", tags=["images"])
+
+_on_their_way: Counter[str] = Counter()
+"""By owner."""
 
 _BODY: dict[str, Any] = {
     "requestBody": {
@@ -46,16 +51,16 @@ async def read_picture(
     CALLER.get().need("read")
     with ExitStack() as cleaning:
         folder = Path(cleaning.enter_context(TemporaryDirectory(prefix="nocturne-picture-")))
-        await _receive(request, folder / "picture.exr")
+        with _coming():
+            await _receive(request, folder / "picture.exr")
         await picture_as_tiles(folder / "picture.exr", folder / "tiles", tile_size)
         size = (folder / "tiles").stat().st_size
-        # The folder goes when the answer is sent.
-        gone = BackgroundTask(cleaning.pop_all().close)
+        # The folder goes when the answer is sent, or its reader has left.
+        pieces_of = _pieces(folder / "tiles", cleaning.pop_all())
     return StreamingResponse(
-        _pieces(folder / "tiles"),
+        pieces_of,
         headers={"Content-Length": str(size), "Cache-Control": "no-store"},
         media_type=MEDIA_TYPE,
-        background=gone,
     )
 
 
@@ -64,15 +69,34 @@ async def _receive(request: Request, file: Path) -> None:
     if declared_bytes(request) > PICTURE_BYTES:
         raise too_big
     received = 0
-    with file.open("wb") as out:
-        async for piece in pieces(request):
-            received += len(piece)
-            if received > PICTURE_BYTES:
-                raise too_big
-            await asyncio.to_thread(out.write, piece)
+    try:
+        async with asyncio.timeout(limits.PICTURE_COMES_S):
+            with file.open("wb") as out:
+                async for piece in pieces(request):
+                    received += len(piece)
+                    if received > PICTURE_BYTES:
+                        raise too_big
+                    await to_the_end(out.write, piece)
+    except TimeoutError:
+        raise TooSlow(f"the picture did not come within {limits.PICTURE_COMES_S:g} s") from None
 
 
-def _pieces(file: Path) -> Iterator[bytes]:
-    with file.open("rb") as opened:
-        while piece := opened.read(CHUNK_BYTES):
+@contextmanager
+def _coming() -> Iterator[None]:
+    """Bounds how many are on their way, before their first byte. Raises Overloaded, TooMany."""
+    owner = CALLER.get().name
+    if _on_their_way.total() >= limits.PICTURES_COMING:
+        raise Overloaded(f"{limits.PICTURES_COMING} pictures are being sent; try again.")
+    if owner and _on_their_way[owner] >= limits.PICTURES_OF_OWNER:
+        raise TooMany(f"{_on_their_way[owner]} pictures of {owner} are being sent; send fewer at once")
+    _on_their_way[owner] += 1
+    try:
+        yield
+    finally:
+        _on_their_way[owner] -= 1
+
+
+async def _pieces(file: Path, cleaning: ExitStack) -> AsyncIterator[bytes]:
+    with cleaning, file.open("rb") as opened:
+        while piece := await to_the_end(opened.read, CHUNK_BYTES):
             yield piece

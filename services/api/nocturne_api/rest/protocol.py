@@ -140,6 +140,62 @@ def _address(connection: BoundedProtocol) -> str:
     return connection.client[0] if connection.client else ""
 
 
+class LeavingMiddleware:
+    """Cancels a call whose caller closes the connection before the answer is complete, as gRPC does."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] != "http":
+            await self._app(scope, receive, send)
+            return
+        whole, left, answered = asyncio.Event(), asyncio.Event(), False
+        # Without a body the application may never ask for one; it is told of its end here.
+        given = [] if _may_have_body(Headers(scope=scope)) else [{"type": "http.request", "body": b""}]
+        if given:
+            whole.set()
+
+        async def noted_receive() -> Message:
+            if given:
+                return given.pop()
+            if whole.is_set():
+                await left.wait()
+                return {"type": "http.disconnect"}
+            message = await receive()
+            if not message.get("more_body", False):
+                whole.set()
+            return message
+
+        async def noted_send(message: Message) -> None:
+            nonlocal answered
+            answered = message["type"] == "http.response.body" and not message.get("more_body", False)
+            await send(message)
+
+        async def watch() -> None:
+            await whole.wait()
+            while (await receive())["type"] != "http.disconnect":
+                pass
+            left.set()
+            if not answered:
+                call.cancel()
+
+        call = asyncio.ensure_future(self._app(scope, noted_receive, noted_send))
+        watching = asyncio.create_task(watch())
+        try:
+            await asyncio.shield(call)
+        except asyncio.CancelledError:
+            if not left.is_set():
+                call.cancel()
+                raise
+        finally:
+            watching.cancel()
+
+
+def _may_have_body(headers: Headers) -> bool:
+    return headers.get("content-length", "0") != "0" or "transfer-encoding" in headers
+
+
 class LingeringMiddleware:
     """Reads on for a moment, and throws away, when an answer is complete before its request is.
 
@@ -177,7 +233,7 @@ def _has_body(headers: Headers) -> bool:
     """Whether a body is on its way; one that waits for a "100 Continue" is not."""
     if "expect" in headers:
         return False
-    return headers.get("content-length", "0") != "0" or "transfer-encoding" in headers
+    return _may_have_body(headers)
 
 
 async def _throw_away(receive: Receive) -> None:

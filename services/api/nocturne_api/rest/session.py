@@ -21,13 +21,13 @@ async def get_session() -> Session:
 
 @router.post("/session", response_model=Session)
 async def begin_session(request: Request) -> Response:
-    """Takes the token of the Authorization header into a cookie that scripts cannot read."""
+    """Begins a session of the token in the Authorization header, by a cookie that scripts cannot read."""
     response = JSONResponse(_caller().model_dump())
     authorization = request.headers.get("authorization", "")
     if authorization:
         response.set_cookie(
             TOKEN_COOKIE,
-            secret_in(authorization),
+            request.app.state.sessions.begin(secret_in(authorization)),
             path=TOKEN_PATH,
             httponly=True,
             samesite="strict",
@@ -37,8 +37,9 @@ async def begin_session(request: Request) -> Response:
 
 
 @router.delete("/session", status_code=204, response_class=Response)
-async def end_session() -> Response:
-    """Takes the cookie back."""
+async def end_session(request: Request) -> Response:
+    """Ends the session, wherever its cookie was copied to, and takes the cookie back."""
+    request.app.state.sessions.end(request.cookies.get(TOKEN_COOKIE, ""))
     response = Response(status_code=204)
     response.delete_cookie(TOKEN_COOKIE, path=TOKEN_PATH, httponly=True, samesite="strict")
     return response

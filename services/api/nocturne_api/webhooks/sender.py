@@ -11,6 +11,7 @@ import random
 import ssl
 import time
 from collections.abc import Awaitable, Callable, Sequence
+from contextlib import suppress
 from datetime import UTC, datetime
 
 import httpx
@@ -28,7 +29,10 @@ PAUSES_S = (5.0, 300.0, 1800.0, 7200.0, 18000.0, 36000.0, 50400.0, 72000.0, 8640
 
 _LOOK_S = 1.0
 _TIMEOUT_S = 15.0
-_AT_ONCE = 8
+# One to each address at a time, and so many of one owner: whoever's addresses take no messages waits, and
+# nobody else does.
+_AT_ONCE = 64
+_OF_OWNER = 4
 _GONE = 410
 
 
@@ -50,6 +54,8 @@ class WebhookSender(Background):
         self._pauses_s = pauses_s
         self._verify = verify
         self._opened: httpx.AsyncClient | None = None
+        self._at_work: set[WebhookMessage] = set()
+        self._ended = asyncio.Event()
 
     async def close(self) -> None:
         """Messages being sent are cut off, and sent again later, perhaps by another process."""
@@ -70,18 +76,34 @@ class WebhookSender(Background):
         return self._opened
 
     async def _run(self) -> None:
-        while True:
-            try:
-                while messages := await self._take():
-                    await asyncio.gather(*(self._deliver(message) for message in messages))
-            except Exception:
-                _log.exception("webhooks: will look again")
-            await asyncio.sleep(_LOOK_S)
+        async with asyncio.TaskGroup() as group:
+            while True:
+                self._ended.clear()
+                try:
+                    for message in await self._take():
+                        self._at_work.add(message)
+                        group.create_task(self._send(message))
+                except Exception:
+                    _log.exception("webhooks: will look again")
+                # Not by `wait_for`, which may forget that it was cancelled if the awaited result comes then.
+                with suppress(TimeoutError):
+                    async with asyncio.timeout(_LOOK_S):
+                        await self._ended.wait()
 
     async def _take(self) -> Sequence[WebhookMessage]:
-        found = await self._in_database(self._webhooks.take_due, time.time(), 4 * _TIMEOUT_S, _AT_ONCE)
+        bounds = 4 * _TIMEOUT_S, _AT_ONCE, _OF_OWNER
+        found = await self._in_database(self._webhooks.take_due, time.time(), *bounds, [*self._at_work])
         assert isinstance(found, list)  # noqa: S101 - what take_due gives
         return found
+
+    async def _send(self, message: WebhookMessage) -> None:
+        try:
+            await self._deliver(message)
+        except Exception:
+            # It is due again when its lease ends.
+            _log.exception("webhook %s, render %s: again later", message.webhook_id, message.render_id)
+        self._at_work.discard(message)
+        self._ended.set()
 
     async def _deliver(self, message: WebhookMessage) -> None:
         status, outcome = await self._attempt(message)

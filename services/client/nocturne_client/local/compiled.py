@@ -69,6 +69,7 @@ def compile_to(
         # Problems of the film are reported before the work.
         make_schedule(width, height, samples)
         document = check_document(changed(on_disk.document, made))
+        folder.mkdir(parents=True, exist_ok=True)
         blobs = BlobStore(folder / "blobs", durable=False)
         store_files(on_disk, blobs)
         film = Film(width, height, samples)

@@ -9,19 +9,22 @@ import sys
 import tempfile
 import threading
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from types import FrameType
 
 from nocturne_coordinator.socket_folder import socket_folder
+from nocturne_coordinator.store.privacy import make_private
+from nocturne_scene.errors import NocturneError
 from nocturne_scene.replacing import replacing
 from rich.markup import escape
 from rich.panel import Panel
 
 from nocturne_client.console import CONSOLE, ERRORS
 from nocturne_client.errors import NocturneClientError
+from nocturne_client.local import kept_logs
 from nocturne_client.local.children import Child
 from nocturne_client.local.probes import api_answers, is_fresh, redis_answers, worker_is_heard_of
 from nocturne_client.local.programs import need_program
@@ -89,7 +92,7 @@ class _Stack:
         self._logs = settings.data / "logs"
         self._logs.mkdir(exist_ok=True)
         for log in self._logs.glob("*.log"):
-            log.unlink()
+            kept_logs.begin(log)
         redis_url = f"unix://{self._redis_socket}"
         grpc_socket = sockets / "grpc.sock"
         redis, port, alive = self._redis_socket, settings.port, sockets / "coordinator.alive"
@@ -139,7 +142,9 @@ class _Stack:
         self._redis.wait_until(lambda: stop.is_set() or redis_answers(self._redis_socket), _START_S)
         self._coordinator.start()
         self._api.start()
-        self._api.wait_until(lambda: stop.is_set() or api_answers(self._settings.port, "/readyz"), _START_S)
+        self._api.wait_until(
+            lambda: stop.is_set() or api_answers(self._settings.port, "/readyz?exclude=merging"), _START_S
+        )
         if not self._coordinator.is_alive():
             raise NocturneClientError(f"coordinator did not start. {self._coordinator.tail()}")
         for worker in self._workers:
@@ -147,7 +152,10 @@ class _Stack:
         self._write_file()
 
     def supervise(self) -> None:
-        """Starts children again that have died, or hang."""
+        """Starts children again that have died, or hang; bounds their logs."""
+        with suppress(OSError):
+            for log in self._logs.glob("*.log"):
+                kept_logs.bound(log)
         restarted = [
             child.supervise(lambda text: ERRORS.print(escape(text), soft_wrap=True))
             for child in self._children
@@ -192,7 +200,8 @@ def _redis_command(path: Path) -> list[str]:
 
 def _make_folder(data: Path) -> None:
     """Tries a piece that a start needs: a full disk is reported before anything is begun."""
-    data.mkdir(parents=True, exist_ok=True)
+    data.mkdir(mode=0o700, parents=True, exist_ok=True)
+    make_private(data)
     with tempfile.TemporaryFile(dir=data) as probe:
         probe.write(bytes(_PROBE_BYTES))
         probe.flush()
@@ -204,6 +213,8 @@ def _told(data: Path) -> Iterator[None]:
     """What the system refuses, in a sentence."""
     try:
         yield
+    except NocturneError as error:
+        raise NocturneClientError(str(error)) from error
     except OSError as error:
         raise NocturneClientError(
             f"{data} can't be written ({error.strerror or error}); see to its rights, make room on its disk, "
