@@ -5,7 +5,18 @@ from dataclasses import dataclass
 from math import pi
 from pathlib import Path
 
-from tests.accuracy.scenes import BLACK, bowl, diffuse, disc, film, measured_scene, quad, sphere, surface
+from nocturne_scene.validation.documents import (
+    BLACK,
+    diffuse,
+    disc,
+    film,
+    measured_scene,
+    quad,
+    sphere,
+    surface,
+)
+
+from tests.accuracy.scenes import bowl
 from tests.accuracy.tracing import Document
 
 _SCENES = Path(__file__).parents[2] / "examples"

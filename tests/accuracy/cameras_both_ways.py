@@ -6,7 +6,9 @@ Lamps are large, so that photons from the camera find them by themselves.
 from dataclasses import dataclass
 from typing import Any
 
-from tests.accuracy.scenes import BLACK, bowl, diffuse, disc, quad, sphere, surface
+from nocturne_scene.validation.documents import BLACK, diffuse, disc, quad, sphere, surface
+
+from tests.accuracy.scenes import bowl
 from tests.accuracy.tracing import Document
 
 _FLOOR = surface(quad([-1, 0, -1], [0, 0, 2], [2, 0, 0]), diffuse(0.6))

@@ -19,15 +19,11 @@ from nocturne.v1 import scene_pb2
 from nocturne_client.local.compiled import CompiledFolder, compile_to
 from nocturne_scene.compile.compiler import FORMAT_WITH_GUIDE
 from nocturne_scene.scene_ranges import schedule_of
+from nocturne_scene.validation.documents import GREY, RANGE_NM
 
 from tests.accuracy.agreement import ROUNDING, Values, student_bound
 from tests.accuracy.tracing import Document, part_of, run, run_seeds
 from tests.system.images import Image
-
-_RANGE_NM = 830.0 - 360.0
-
-GREY = {"wavelengths": "uniform", "responses": {"grey": 1.0}}
-"""Fields of any sensor whose `grey` channel a reading comes from."""
 
 
 @dataclass(frozen=True)
@@ -153,4 +149,4 @@ def image_by(
 def _values(image: Image, channel: str) -> Values:
     if channel == "Y":
         return image.y
-    return image.further[channel].astype(np.float64) / _RANGE_NM
+    return image.further[channel].astype(np.float64) / RANGE_NM

@@ -8,19 +8,9 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 from nocturne_scene.textures.environment_maps import equal_area_rows, turned
 from nocturne_scene.textures.pictures import opened
+from nocturne_scene.validation import skies
 
 from tests.accuracy.agreement import Values
-
-# ISO 15469:2004 (CIE S 011/E:2003), table 1: gradation a, b; indicatrix c, d, e. Type 16 is the CIE
-# traditional overcast sky of Moon and Spencer (1942), L = (1 + 2 cos z) / 3.
-_TYPES = {
-    1: (4.0, -0.70, 0.0, -1.0, 0.0),
-    2: (4.0, -0.70, 2.0, -1.5, 0.15),
-    5: (0.0, -1.0, 0.0, -1.0, 0.0),
-    7: (0.0, -1.0, 5.0, -2.5, 0.30),
-    8: (0.0, -1.0, 10.0, -3.0, 0.45),
-    12: (-1.0, -0.32, 10.0, -3.0, 0.45),
-}
 
 WIDTH, HEIGHT = 512, 256
 
@@ -37,22 +27,7 @@ class Sky:
 
     def luminance(self, directions: Values) -> Values:
         """Of unit vectors, shape (..., 3), above the horizon; 0 below it."""
-        z = directions[..., 2]
-        sun = np.array([0.0, np.cos(np.pi / 3), np.sin(np.pi / 3)])
-        above = z > 0.0
-        z = np.where(above, z, 1.0)
-        if self.kind == 16:
-            return np.where(above, (1.0 + 2.0 * z) / 3.0, 0.0)
-        a, b, c, d, e = _TYPES[self.kind]
-
-        def indicatrix(angle: Values) -> Values:
-            tail: Values = 1.0 + c * (np.exp(d * angle) - np.exp(d * np.pi / 2)) + e * np.cos(angle) ** 2
-            return tail
-
-        from_sun = np.arccos(np.clip(directions @ sun, -1.0, 1.0))
-        gradation = (1.0 + a * np.exp(b / z)) / (1.0 + a * np.exp(b))
-        at_zenith = indicatrix(np.asarray(np.pi / 6))
-        return np.where(above, gradation * indicatrix(from_sun) / at_zenith, 0.0)
+        return skies.luminance(self.kind, directions)
 
     def write(self, path: Path) -> None:
         """A latitude-longitude picture for ORIENTATION. Means over 4 x 4 points in each pixel."""
@@ -70,18 +45,6 @@ class Sky:
         output.open(str(path), oiio.ImageSpec(WIDTH, HEIGHT, 3, oiio.FLOAT))
         output.write_image(grey)
         output.close()
-
-
-def horizontal_illuminance(sky: Sky) -> float:
-    """Of open ground: the integral of luminance times cosine over the upper half-sphere."""
-    nodes, weights = np.polynomial.legendre.leggauss(400)
-    z, dz = 0.5 * (nodes + 1.0), 0.5 * weights
-    azimuth = (np.arange(800) + 0.5) * 2.0 * np.pi / 800
-    sine = np.sqrt(1.0 - z**2)[:, None]
-    directions = np.stack(
-        [sine * np.cos(azimuth), sine * np.sin(azimuth), np.broadcast_to(z[:, None], (400, 800))], axis=-1
-    )
-    return float((sky.luminance(directions).mean(axis=1) * 2.0 * np.pi * z * dz).sum())
 
 
 @lru_cache(maxsize=1)

@@ -5,10 +5,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from nocturne_scene.validation.documents import diffuse, furnace, measured_scene, white_tile
 
 from tests.accuracy.agreement import compare, sidak_bound
 from tests.accuracy.meters import Measurement
-from tests.accuracy.scenes import cornell, diffuse, furnace, measured_scene, white_tile
+from tests.accuracy.scenes import cornell
 from tests.accuracy.spectral_meters import NO_ROULETTE, Estimate, flat, scene
 from tests.accuracy.tracing import Document, part_of, trace
 from tests.system.images import differing_values

@@ -10,9 +10,9 @@ alone. False alarms: 0.001 for each image.
 from pathlib import Path
 
 import pytest
+from nocturne_scene.validation.documents import BLACK, box, diffuse, quad, surface
 
 from tests.accuracy.eight_seeds import differ, means
-from tests.accuracy.scenes import BLACK, box, diffuse, quad, surface
 from tests.accuracy.tracing import Document
 
 pytestmark = [pytest.mark.system, pytest.mark.every_sixth]

@@ -9,11 +9,11 @@ directions with it.
 from pathlib import Path
 
 import pytest
+from nocturne_scene.validation.documents import quad, sphere
 
 from tests.accuracy.agreement import compare
 from tests.accuracy.both_directions import SCENES
 from tests.accuracy.meters import image_by
-from tests.accuracy.scenes import quad, sphere
 from tests.system.images import Image
 
 pytestmark = [pytest.mark.system, pytest.mark.every_sixth]

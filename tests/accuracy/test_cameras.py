@@ -5,10 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from nocturne_scene.validation.documents import BLACK, quad, ring, surface
 
 from tests.accuracy.agreement import sidak_bound
 from tests.accuracy.ruler import Vector
-from tests.accuracy.scenes import BLACK, quad, ring, surface
 from tests.accuracy.spectral_meters import Estimate, flat, measure, scene
 from tests.accuracy.tracing import trace
 

@@ -8,11 +8,11 @@ not compared: photons from the camera find focused light too seldom.
 from pathlib import Path
 
 import pytest
+from nocturne_scene.validation.documents import diffuse, measured_scene, quad, sphere, surface
 
 from tests.accuracy.agreement import compare
 from tests.accuracy.cameras_both_ways import SCENES
 from tests.accuracy.meters import Measurement, check_equal, image_by
-from tests.accuracy.scenes import diffuse, measured_scene, quad, sphere, surface
 from tests.accuracy.tracing import Document, part_of
 from tests.system.images import Image
 

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from nocturne_scene.validation.documents import BLACK
 
 from tests.accuracy.agreement import sidak_bound, student_bound
-from tests.accuracy.scenes import BLACK
 from tests.accuracy.spectral_meters import NO_ROULETTE, level
 from tests.accuracy.tracing import Document, trace
 from tests.system.images import Image

@@ -10,10 +10,10 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from nocturne_scene.validation.documents import BLACK, diffuse
 from scipy.integrate import quad as integral
 
 from tests.accuracy.agreement import sidak_bound
-from tests.accuracy.scenes import BLACK, diffuse
 from tests.accuracy.spectral_meters import beam, level, measure, scene, slab
 from tests.accuracy.tracing import Document
 

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.compiled import compile_to
+from nocturne_scene.validation.documents import BLACK, GREY, box, diffuse, film, quad, sphere, surface
 from scipy import stats
 
 from tests.accuracy.eight_seeds import differ, means
-from tests.accuracy.meters import GREY
-from tests.accuracy.scenes import BLACK, bowl, box, diffuse, film, quad, sphere, surface
+from tests.accuracy.scenes import bowl
 from tests.accuracy.tracing import IN_FULL, Document, part_of, run_seeds, trace, write
 
 pytestmark = pytest.mark.system

@@ -4,9 +4,9 @@ from math import acos, cos, sin
 from pathlib import Path
 
 import pytest
+from nocturne_scene.validation.documents import measured_scene, quad, surface
 
 from tests.accuracy.meters import Measurement, Reading
-from tests.accuracy.scenes import measured_scene, quad, surface
 from tests.accuracy.tracing import Document
 
 pytestmark = [pytest.mark.system, pytest.mark.every_sixth]

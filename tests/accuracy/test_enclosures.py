@@ -4,57 +4,32 @@ On the inside of a sphere every part lights every other evenly, so diffusely ref
 everywhere; a port, cut off by a flat black disc, takes the share of the sphere's area behind it.
 """
 
-import json
 from math import pi, sqrt
 from pathlib import Path
 from typing import Any
 
 import pytest
+from nocturne_scene.validation.documents import (
+    BLACK,
+    GREY,
+    diffuse,
+    disc,
+    film,
+    furnace,
+    measured_scene,
+    quad,
+    sphere,
+    surface,
+)
+from nocturne_scene.validation.enclosures import INSIDE, integrating_sphere, lamp_of, on_wall, port
+from nocturne_scene.validation.truths import truths
 
-from tests.accuracy.meters import GREY, Measurement, check_equal
-from tests.accuracy.scenes import BLACK, diffuse, disc, film, furnace, measured_scene, quad, sphere, surface
+from tests.accuracy.meters import Measurement, check_equal
 from tests.accuracy.tracing import Document
 
 pytestmark = [pytest.mark.system, pytest.mark.every_sixth]
 
-CIE_171: dict[str, Any] = json.loads((Path(__file__).parent / "data" / "cie171.json").read_text())
-
-_INSIDE = 3e-5
-"""How far inside of a wall a film is, part of the radius: more than the film's bulge and its stand-off."""
-
-_NOTHING = {"type": "null"}
-
-
-def _lamp(centre: list[float], radius: float, watts: float) -> Document:
-    """A sphere that light passes through, of this flux per nanometre."""
-    return surface(sphere(centre, radius), _NOTHING, watts / (4.0 * pi**2 * radius**2))
-
-
-def _port(radius: float, fraction: float) -> tuple[float, float]:
-    """Height above the centre and radius of the disc that cuts off this fraction of a sphere's area."""
-    height = radius * (1.0 - 2.0 * fraction)
-    return height, sqrt(radius**2 - height**2)
-
-
-def _integrating_sphere(
-    radius: float, reflectance: float, fraction: float, lamp_radius: float = 0.3
-) -> list[Document]:
-    """With a lamp of 4 pi W / nm in the middle: it lights the wall evenly, whatever its radius."""
-    surfaces = [
-        surface(sphere([0, 0, 0], radius), diffuse(reflectance)),
-        _lamp([0, 0, 0], lamp_radius * radius, 4.0 * pi),
-    ]
-    if fraction:
-        height, edge = _port(radius, fraction)
-        surfaces.append(surface(disc([0, 0, height], [0, 0, -1], edge)))
-    return surfaces
-
-
-def _on_wall(radius: float, place: list[float]) -> Document:
-    """A film on the inside of the wall; `place` is on the unit sphere."""
-    centre = [(1.0 - _INSIDE) * radius * x for x in place]
-    return film(centre, [-x for x in place], 1e-5 * radius)
-
+CIE_171: dict[str, Any] = truths("cie171")
 
 _SPHERES = [
     # Radius, reflectance, fraction of ports, M = rho / (1 - rho (1 - f)), photons that travel together.
@@ -72,15 +47,15 @@ def test_integrating_sphere(
 ) -> None:
     """Indirect irradiance is M times the flux on the wall over the sphere's area, opposite to the port and
     next to it (Labsphere, Integrating Sphere Theory and Applications). False alarms: 0.01."""
-    height, edge = _port(1.0, min(1.01 * fraction, 1.0)) if fraction else (0.0, 1.0)
-    surfaces = _integrating_sphere(radius, reflectance, fraction)
+    height, edge = port(1.0, min(1.01 * fraction, 1.0)) if fraction else (0.0, 1.0)
+    surfaces = integrating_sphere(radius, reflectance, fraction)
     for i, place in enumerate(([0.0, 0.0, -1.0], [edge, 0.0, height])):
         folder = tmp_path / str(i)
         folder.mkdir()
-        scene = measured_scene(_on_wall(radius, place), surfaces, photons_together=together)
+        scene = measured_scene(on_wall(radius, place), surfaces, photons_together=together)
         total = Measurement(scene, folder, 8, 8).by_pixels(128)
         # Direct light from the middle, at the film; the wall gets 4 pi (1 - f), its area is 4 pi r^2.
-        direct = 1.0 / ((1.0 - _INSIDE) * radius) ** 2
+        direct = 1.0 / ((1.0 - INSIDE) * radius) ** 2
         indirect = multiplier * (1.0 - fraction) / radius**2
         total.check(direct + indirect, 3e-5, values=2)
 
@@ -97,10 +72,10 @@ def test_both_directions_read_the_port(
     The film is 1e-4 in front of the port and reaches beyond the sphere, where it is dark; between film and
     port is a rim of wall, less than 1e-3 of the port's area.
     """
-    height, edge = _port(1.0, fraction)
+    height, edge = port(1.0, fraction)
     gap = 1e-4 * edge
     sensor = film([0, 0, height - gap], [0, 0, -1], 2.1 * edge)
-    surfaces = _integrating_sphere(1.0, reflectance, fraction)
+    surfaces = integrating_sphere(1.0, reflectance, fraction)
     truth = 4.0 * pi * fraction * (1.0 + multiplier * (1.0 - fraction)) / (2.1 * edge) ** 2
     readings = []
     for direction, samples in (("adjoint", 512), ("forward", 2048)):
@@ -125,7 +100,7 @@ def test_wall_hits(reflectance: float, fraction: float, hits: float, tmp_path: P
     """
     scene = measured_scene(
         film([0, 0, -0.5], [0, 0, 1], 0.1),
-        _integrating_sphere(1.0, reflectance, fraction, 0.001),
+        integrating_sphere(1.0, reflectance, fraction, 0.001),
         direction="forward",
         roulette="albedo",
         roulette_after=0,
@@ -240,7 +215,7 @@ def test_spherical_cavity(emissivity: float, fraction: float, effective: float, 
     """Radiance of the aperture of a cavity at one temperature, over that of a black body (Gouffe 1945; DeWitt
     and Nutter, Theory and Practice of Radiation Thermometry). The same from all directions and places, so any
     film in the aperture reads pi times it. False alarms: 0.01."""
-    height, edge = _port(1.0, fraction)
+    height, edge = port(1.0, fraction)
     surfaces = [
         surface(sphere([0, 0, 0], 1.0), diffuse(1.0 - emissivity), emissivity, two_sided=True),
         surface(disc([0, 0, height], [0, 0, -1], edge)),
@@ -276,7 +251,7 @@ def test_cie_171_5_8_cube(reflectance: str, tmp_path: Path) -> None:
         ([4, 0, 0], [0, 4, 0], [0, 0, 4]),
     ]
     walls = [surface(quad(*corner), kernel) for corner in corners]
-    lamp = _lamp([2, 2, 2], 1.0, 10_000.0)
+    lamp = lamp_of([2, 2, 2], 1.0, 10_000.0)
     camera = {"type": "orthographic", "position": [2, 2, 0.5], "look_at": [2, 2, 0], "height": 4.0}
     seen = Measurement(measured_scene(camera, [*walls, lamp]), tmp_path).by_seeds(512)
     indirect = seen * (pi / float(reflectance)) - 10_000.0 / 96.0
@@ -320,7 +295,7 @@ def test_closed_ones_that_absorb_little(
         # Past the lamp in the middle.
         place: Document = {"position": [0.5, 0, 0], "look_at": [0.9, 0.1, 0.3]}
         camera = {"type": "pinhole", "vertical_field_of_view_degrees": 30.0, **place}
-        document = measured_scene(camera, _integrating_sphere(1.0, albedo, 0.0), direction=direction)
+        document = measured_scene(camera, integrating_sphere(1.0, albedo, 0.0), direction=direction)
         truth = albedo / (1.0 - albedo) / pi
     measurement = Measurement(document, tmp_path, edge, edge)
     reading = measurement.by_seeds(2) if direction == "forward" else measurement.by_pixels(samples)

@@ -15,8 +15,8 @@ from nocturne.v1 import scene_pb2
 from nocturne_client.local.compiled import compile_to
 from nocturne_scene.compare.images import read_picture
 from nocturne_scene.uncertainty import CONFIDENCE, ImageMoments, read_region
+from nocturne_scene.validation.documents import diffuse, furnace, measured_scene, quad, sphere, surface
 
-from tests.accuracy.scenes import diffuse, furnace, measured_scene, quad, sphere, surface
 from tests.accuracy.tracing import IN_FULL, Document, run, run_seeds, write
 
 pytestmark = pytest.mark.system

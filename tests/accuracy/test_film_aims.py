@@ -8,9 +8,9 @@ from math import cos, exp, pi, radians, sin
 from pathlib import Path
 
 import pytest
+from nocturne_scene.validation.documents import BLACK, diffuse, disc, film, measured_scene, quad, surface
 
 from tests.accuracy.meters import Measurement, Reading
-from tests.accuracy.scenes import BLACK, diffuse, disc, film, measured_scene, quad, surface
 from tests.accuracy.tracing import Document
 
 pytestmark = pytest.mark.system

@@ -14,9 +14,18 @@ from math import pi
 from pathlib import Path
 
 import pytest
+from nocturne_scene.validation.documents import (
+    diffuse,
+    disc,
+    film,
+    measured_scene,
+    quad,
+    ring,
+    sphere,
+    surface,
+)
 
 from tests.accuracy.meters import Measurement, Reading, check_equal
-from tests.accuracy.scenes import diffuse, disc, film, measured_scene, quad, ring, sphere, surface
 from tests.accuracy.tracing import Document
 
 pytestmark = [pytest.mark.system, pytest.mark.every_sixth]

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from nocturne_scene.validation.documents import furnace
 
 from tests.accuracy.agreement import ROUNDING, sidak_bound
-from tests.accuracy.scenes import furnace
 from tests.accuracy.spectral_meters import Y_PER_RADIANCE
 from tests.accuracy.tracing import trace
 

@@ -11,10 +11,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from nocturne_scene.validation.documents import diffuse, quad, sphere, surface
 
 from tests.accuracy.agreement import compare
 from tests.accuracy.meters import Measurement
-from tests.accuracy.scenes import diffuse, quad, sphere, surface
 from tests.accuracy.tracing import Document, part_of
 from tests.system.images import Image
 

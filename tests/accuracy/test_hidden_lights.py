@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from nocturne_scene.validation.documents import BLACK, diffuse, quad, sphere, surface
 
-from tests.accuracy.scenes import BLACK, diffuse, quad, sphere, surface
 from tests.accuracy.tracing import Document, trace
 
 EDGE, SAMPLES = 8, 64

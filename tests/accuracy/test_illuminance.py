@@ -4,16 +4,14 @@ At each point stands a white tile of a tenth of a millimetre that a radiance met
 radiance is the irradiance, and photons from the tile aim at the lamp.
 """
 
-import json
 from dataclasses import replace
 from math import cos, hypot, pi, radians, sin, sqrt
 from pathlib import Path
 from typing import Any
 
 import pytest
-
-from tests.accuracy.meters import Measurement
-from tests.accuracy.scenes import (
+from nocturne_scene.validation.cie171 import CEILING_G_TO_N, FLOOR_G_TO_N, ROOM, WALL_A_TO_F
+from nocturne_scene.validation.documents import (
     TILE_OFF_PLANE,
     Point,
     box,
@@ -24,15 +22,14 @@ from tests.accuracy.scenes import (
     surface,
     white_tile,
 )
+from nocturne_scene.validation.truths import truths
+
+from tests.accuracy.meters import Measurement
 from tests.accuracy.tracing import Document, part_of
 
 pytestmark = pytest.mark.system
 
-CIE_171: dict[str, Any] = json.loads((Path(__file__).parent / "data" / "cie171.json").read_text())
-
-WALL_A_TO_F: list[Point] = [([2.0, 0.0, z], [0.0, 1.0, 0.0]) for z in (2.75, 2.25, 1.75, 1.25, 0.75, 0.25)]
-FLOOR_G_TO_N: list[Point] = [([2.0, 0.25 + 0.5 * i, 0.0], [0.0, 0.0, 1.0]) for i in range(8)]
-CEILING_G_TO_N: list[Point] = [([2.0, 0.25 + 0.5 * i, 3.0], [0.0, 0.0, -1.0]) for i in range(8)]
+CIE_171: dict[str, Any] = truths("cie171")
 
 
 def _check_points(
@@ -90,28 +87,18 @@ def test_cie_171_5_2_point_source(tmp_path: Path) -> None:
     _check_points([lamp], points, table["lx"], tmp_path, 4e-5)
 
 
-_ROOM = [
-    surface(quad([0, 0, 0], [4, 0, 0], [0, 4, 0])),
-    surface(quad([0, 0, 0], [0, 0, 3], [4, 0, 0])),
-    surface(quad([0, 4, 0], [4, 0, 0], [0, 0, 3])),
-    surface(quad([0, 0, 0], [0, 4, 0], [0, 0, 3])),
-    surface(quad([4, 0, 0], [0, 0, 3], [0, 4, 0])),
-]
-"""Black: floor and walls."""
-
-
 def test_cie_171_5_3_area_source(tmp_path: Path) -> None:
     """Uncertainty: tiles stand 1e-5 m in front of the walls; A is 0.25 m below the lamp's plane."""
     lamp = surface(quad([1.5, 1.5, 3], [0, 1, 0], [1, 0, 0]), radiance=1000.0)
     points = WALL_A_TO_F + FLOOR_G_TO_N
-    _check_points([*_ROOM, lamp], points, CIE_171["5.3"]["A to N"], tmp_path, 5e-5)
+    _check_points([*ROOM, lamp], points, CIE_171["5.3"]["A to N"], tmp_path, 5e-5)
 
 
 def test_cie_171_5_6_diffuse_floor(tmp_path: Path) -> None:
     """The floor as a lamp of the same exitance, 100 so that readings are percent."""
     lamp = surface(quad([0, 0, 0], [4, 0, 0], [0, 4, 0]), radiance=100.0 / pi)
     points = WALL_A_TO_F[4:0:-1] + WALL_A_TO_F[:1] + CEILING_G_TO_N
-    _check_points([*_ROOM[1:], lamp], points, CIE_171["5.6"]["B to N"], tmp_path, 5e-5)
+    _check_points([*ROOM[1:], lamp], points, CIE_171["5.6"]["B to N"], tmp_path, 5e-5)
 
 
 def test_cie_171_5_7_behind_an_obstruction(tmp_path: Path) -> None:
@@ -119,5 +106,5 @@ def test_cie_171_5_7_behind_an_obstruction(tmp_path: Path) -> None:
     lamp = surface(quad([0, 4, 0], [4, 0, 0], [0, 0, 3]), radiance=100.0 / pi)
     obstruction = surface(box([0, 2.5, 0], [4, 2.7, 1]))
     points = WALL_A_TO_F + FLOOR_G_TO_N[:5]
-    surfaces = [_ROOM[0], _ROOM[1], _ROOM[3], _ROOM[4], lamp, obstruction]
+    surfaces = [ROOM[0], ROOM[1], ROOM[3], ROOM[4], lamp, obstruction]
     _check_points(surfaces, points, CIE_171["5.7"]["A to K"], tmp_path, 5e-5)

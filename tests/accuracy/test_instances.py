@@ -10,9 +10,9 @@ import numpy.typing as npt
 import pytest
 from nocturne.v1 import scene_pb2
 from nocturne_client.local.compiled import compile_to
+from nocturne_scene.validation.documents import BLACK, box, furnace, quad, sphere, surface
 
 from tests.accuracy.agreement import ROUNDING, compare, sidak_bound
-from tests.accuracy.scenes import BLACK, box, furnace, quad, sphere, surface
 from tests.accuracy.spectral_meters import Y_PER_RADIANCE, Estimate, flat
 from tests.accuracy.tracing import IN_FULL, Document, run, trace, write
 from tests.system.images import Image

@@ -1,17 +1,17 @@
 """Rendered reflection of glass and metal surfaces, at an angle and for light from everywhere.
 
-Fresnel's equations of data/interfaces.json, unpolarised. z values within the Sidak bound of all of this
+Fresnel's equations of validation/interfaces.json, unpolarised. z values within the Sidak bound of all of this
 file's table; false alarms: 0.01 in all.
 """
 
-import json
 from pathlib import Path
 
 import numpy as np
 import pytest
+from nocturne_scene.validation.documents import BLACK
+from nocturne_scene.validation.truths import truths
 
 from tests.accuracy.agreement import sidak_bound
-from tests.accuracy.scenes import BLACK
 from tests.accuracy.spectral_meters import (
     NO_ROULETTE,
     Estimate,
@@ -26,7 +26,7 @@ from tests.accuracy.tracing import Document, trace
 
 pytestmark = [pytest.mark.system, pytest.mark.every_sixth]
 
-_TRUTH = json.loads((Path(__file__).parent / "data" / "interfaces.json").read_text())
+_TRUTH = truths("interfaces")
 GLASS = {entry["index"]: entry for entry in _TRUTH["glass"]}
 METALS = {entry["metal"]: entry for entry in _TRUTH["metals"]}
 

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 from nocturne_scene.spectra import published
+from nocturne_scene.validation.documents import furnace
 
-from tests.accuracy.scenes import furnace
 from tests.accuracy.tracing import Document, trace
 
 pytestmark = [pytest.mark.system, pytest.mark.every_sixth]

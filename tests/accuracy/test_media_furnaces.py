@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 import trimesh
 from nocturne_client.local.programs import find_program, need_program
+from nocturne_scene.validation.documents import measured_scene, sphere
 
 from tests.accuracy.agreement import ROUNDING
 from tests.accuracy.meters import Measurement
-from tests.accuracy.scenes import measured_scene, sphere
 from tests.accuracy.tracing import Document
 
 pytestmark = [pytest.mark.system, pytest.mark.every_sixth]

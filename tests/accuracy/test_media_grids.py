@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from nocturne_client.local.programs import find_program, need_program
+from nocturne_scene.validation.documents import measured_scene
 
 from tests.accuracy.meters import Measurement
-from tests.accuracy.scenes import measured_scene
 from tests.accuracy.tracing import Document
 
 pytestmark = [

@@ -1,10 +1,9 @@
 """Layers of air that scatters as Rayleigh said, lit by a beam: radiances and colours of the sky.
 
-Truths, with their sources: data/media.json. Light is unpolarised in the tracer, so they are the scalar ones.
-Standard errors come from 64 pixels. False alarms: 0.01 for each test.
+Truths, with their sources: validation/media.json. Light is unpolarised in the tracer, so they are the scalar
+ones. Standard errors come from 64 pixels. False alarms: 0.01 for each test.
 """
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -12,16 +11,30 @@ import numpy as np
 import pytest
 from nocturne_scene.media import rayleigh
 from nocturne_scene.spectra.published import visible_wavelengths
+from nocturne_scene.validation.documents import (
+    EDGE,
+    WIDTH,
+    diffuse,
+    film,
+    from_above,
+    lit_slab,
+    measured_scene,
+    quad,
+    slab,
+    sun,
+    surface,
+    white_tile,
+)
+from nocturne_scene.validation.truths import truths
 
 from tests.accuracy.agreement import Values
-from tests.accuracy.media import EDGE, WIDTH, from_above, lit_slab, read, slab, sun
+from tests.accuracy.media import read
 from tests.accuracy.meters import Measurement, Reading
-from tests.accuracy.scenes import diffuse, film, measured_scene, quad, surface, white_tile
 from tests.accuracy.tracing import Document
 
 pytestmark = [pytest.mark.system, pytest.mark.every_sixth]
 
-TRUTHS: dict[str, Any] = json.loads((Path(__file__).parent / "data" / "media.json").read_text())
+TRUTHS: dict[str, Any] = truths("media")
 _AIR = {"phase": {"type": "rayleigh"}}
 _SAMPLES = 32
 

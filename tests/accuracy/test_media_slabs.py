@@ -1,23 +1,24 @@
 """Slabs of media: how much light they let through and send back.
 
-Truths, with their sources: data/media.json. Standard errors come from 64 pixels, and are about 1.4 % where
-half of the light comes through, more for fainter light. False alarms: 0.01 for each test.
+Truths, with their sources: validation/media.json. Standard errors come from 64 pixels, and are about 1.4 %
+where half of the light comes through, more for fainter light. False alarms: 0.01 for each test.
 """
 
-import json
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from nocturne_scene.validation.documents import EDGE, along, from_above, lit_slab, medium, sun
+from nocturne_scene.validation.truths import truths
 
 from tests.accuracy.agreement import ROUNDING
-from tests.accuracy.media import EDGE, along, from_above, lit_slab, medium, read, sun
+from tests.accuracy.media import read
 from tests.accuracy.tracing import Document
 
 pytestmark = [pytest.mark.system, pytest.mark.every_sixth]
 
-TRUTHS: dict[str, Any] = json.loads((Path(__file__).parent / "data" / "media.json").read_text())
+TRUTHS: dict[str, Any] = truths("media")
 _KEYS = ("R_normal", "T_normal", "R_60deg", "T_60deg", "R_diffuse", "T_diffuse")
 _SAMPLES = 64
 
@@ -107,10 +108,10 @@ def test_only_optical_thickness_counts(profile: str, tmp_path: Path) -> None:
 def test_van_de_hulsts_slab_by_direction(tmp_path: Path) -> None:
     """Radiance in nine directions above and below, lit by a beam along the normal."""
     cases = TRUTHS["angular"]["cases"]
-    for key, truths in cases.items():
+    for key, known in cases.items():
         mu = float(key.removeprefix("mu="))
         degrees = float(np.degrees(np.arccos(mu)))
-        for side, truth in zip((1.0, -1.0), (truths["R"], truths["T_diffuse"]), strict=True):
+        for side, truth in zip((1.0, -1.0), (known["R"], known["T_diffuse"]), strict=True):
             document = lit_slab(medium(0.9, 0.75), 2.0, along(degrees, 2.0), below=True)
             del document["environment"], document["surfaces"][1]
             # A slab seen from below and lit from above is one seen from above and lit from below.

@@ -3,7 +3,7 @@
 A photon counts the glow wherever it collides, so the image is the sum of the glow over its collisions. At
 1e9 K a black body's radiance is proportional to its temperature (Rayleigh and Jeans; the next term is
 14,388 K less), which a grid holds, linear between voxels. A response that grows with the fourth power of the
-wavelength takes the spectrum out. Published values: data/media.json. False alarms: 0.01 for each test.
+wavelength takes the spectrum out. Published values: validation/media.json. False alarms: 0.01 for each test.
 """
 
 import json
@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 import pytest
 from nocturne_client.local.programs import find_program, need_program
+from nocturne_scene.validation.truths import truths
 from scipy.integrate import quad as integral
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
@@ -32,7 +33,7 @@ pytestmark = [
     pytest.mark.skipif(find_program("nocturne-grid") is None, reason="nocturne-grid is not built"),
 ]
 
-TRUTHS: dict[str, Any] = json.loads((Path(__file__).parent / "data" / "media.json").read_text())
+TRUTHS: dict[str, Any] = truths("media")
 
 _HOT = 1e9
 """Kelvin, where the glow is 1."""

@@ -10,11 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from nocturne_client.local.compiled import compile_to
+from nocturne_scene.validation.documents import BLACK, GREY, box, film, measured_scene, quad, sphere, surface
 from numpy.typing import NDArray
 from scipy import stats
 
-from tests.accuracy.meters import GREY
-from tests.accuracy.scenes import BLACK, box, film, measured_scene, quad, sphere, surface
 from tests.accuracy.tracing import Document, part_of, run_seeds, write
 
 pytestmark = pytest.mark.system

@@ -11,8 +11,8 @@ import numpy.typing as npt
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
 from nocturne_scene.spectra import rgb as rgb_spectra
+from nocturne_scene.validation.documents import quad, sphere
 
-from tests.accuracy.scenes import quad, sphere
 from tests.accuracy.spectral_meters import NO_ROULETTE
 from tests.accuracy.tracing import Document, trace
 

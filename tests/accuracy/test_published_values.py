@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from nocturne_scene.validation.truths import truths as read_truths
 
 _ROOT = Path(__file__).parents[2]
 _TRUTHS = _ROOT.parent / "shared" / "accuracy" / "truth.json"
@@ -103,8 +104,8 @@ def test_every_value_has_a_test(truths: list[dict[str, Any]]) -> None:
 
 
 def test_tables_of_values_are_whole(truths: list[dict[str, Any]]) -> None:
-    """Each number of the list is one of data/media.json, where tests take them from."""
-    data = json.loads((Path(__file__).parent / "data" / "media.json").read_text())
+    """Each number of the list is one of validation/media.json, where tests take them from."""
+    data = read_truths("media")
     here = np.array(list(_numbers(data)))
     for case in truths:
         if any(fnmatch(case["id"], pattern) for pattern in _IN_DATA):

@@ -11,9 +11,9 @@ from nocturne_scene.compile.unmet import unmet_light
 from nocturne_scene.formats.import_scene import import_scene
 from nocturne_scene.formats.reading.options import ImportOptions
 from nocturne_scene.render_warnings import RenderWarning
+from nocturne_scene.validation.documents import diffuse, quad, sphere, surface
 from numpy.typing import NDArray
 
-from tests.accuracy.scenes import diffuse, quad, sphere, surface
 from tests.accuracy.tracing import Document
 from tests.pictures import write_exr
 

@@ -12,9 +12,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from nocturne_scene.validation.documents import BLACK
 
 from tests.accuracy.agreement import sidak_bound
-from tests.accuracy.scenes import BLACK
 from tests.accuracy.spectral_meters import Estimate, flat
 from tests.accuracy.tracing import Document, trace
 

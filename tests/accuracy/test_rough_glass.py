@@ -12,10 +12,10 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 import pytest
+from nocturne_scene.validation.documents import BLACK, measured_scene, quad, surface
 from scipy.special import beta
 
 from tests.accuracy.meters import Measurement
-from tests.accuracy.scenes import BLACK, measured_scene, quad, surface
 from tests.accuracy.tracing import Document
 
 pytestmark = pytest.mark.system

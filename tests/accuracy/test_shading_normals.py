@@ -11,9 +11,9 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 import pytest
+from nocturne_scene.validation.documents import diffuse, measured_scene, quad, surface
 
 from tests.accuracy.meters import Measurement, Reading
-from tests.accuracy.scenes import diffuse, measured_scene, quad, surface
 from tests.accuracy.tracing import Document
 from tests.pictures import write_exr
 

@@ -16,10 +16,11 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from nocturne_client.local.compiled import compile_to
+from nocturne_scene.validation.documents import box, diffuse, quad, sphere, surface
 from scipy import stats
 
 from tests.accuracy.cameras_both_ways import SCENES as OPEN_SCENES
-from tests.accuracy.scenes import box, cornell, diffuse, quad, sphere, surface
+from tests.accuracy.scenes import cornell
 from tests.accuracy.tracing import IN_FULL, Document, part_of, run_seeds, write
 from tests.pictures import write_exr
 

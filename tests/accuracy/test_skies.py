@@ -4,25 +4,24 @@ A sky is an environment map of 512 x 256 pixels. What its texels must give is co
 them: the tracer is compared with that, and that with the published value.
 """
 
-import json
 from math import pi, radians
 from pathlib import Path
 
 import numpy as np
 import pytest
+from nocturne_scene.validation.cie171 import FLOOR_G_TO_N, ROOM, WALL_A_TO_F, ceiling_around
+from nocturne_scene.validation.documents import film, measured_scene, quad, surface, white_tile
+from nocturne_scene.validation.skies import horizontal_illuminance
+from nocturne_scene.validation.truths import truths
 
 from tests.accuracy.agreement import ROUNDING, Values
 from tests.accuracy.meters import Measurement
-from tests.accuracy.scenes import film, measured_scene, quad, surface, white_tile
-from tests.accuracy.skies import ORIENTATION, Sky, horizontal_illuminance, map_luminance
-from tests.accuracy.test_illuminance import FLOOR_G_TO_N, WALL_A_TO_F
+from tests.accuracy.skies import ORIENTATION, Sky, map_luminance
 from tests.accuracy.tracing import Document
 
 pytestmark = [pytest.mark.system, pytest.mark.every_sixth]
 
-_ROOMS: dict[str, dict[str, list[float]]] = json.loads(
-    (Path(__file__).parent / "data" / "cie171.json").read_text()
-)["5.9"]["A to N"]
+_ROOMS: dict[str, dict[str, list[float]]] = truths("cie171")["5.9"]["A to N"]
 
 _MAP_ERROR = 1e-3
 """Of an illuminance: texels are 0.7 degrees, 2 % of an opening of 1 m or more, each of one luminance. Along
@@ -76,10 +75,10 @@ def test_cie_171_5_9_roof_opening(edge: str, kind: str, tmp_path: Path) -> None:
     sky, size = Sky(int(kind)), float(edge)
     picture = tmp_path / "sky.exr"
     sky.write(picture)
-    outside = horizontal_illuminance(sky)
+    outside = horizontal_illuminance(sky.kind)
     points = WALL_A_TO_F + FLOOR_G_TO_N
     tiles, meters = zip(*(white_tile(point) for point in points), strict=True)
-    document = _document(picture, meters[0], [*tiles, *_room(size)])
+    document = _document(picture, meters[0], [*tiles, *ROOM, *ceiling_around(size)])
     # So that photons from the tiles go through it more often.
     low = 2.0 - size / 2
     document["important_directions"] = [{"shape": quad([low, low, 3], [size, 0, 0], [0, size, 0])}]
@@ -103,23 +102,3 @@ def _through_opening(picture: Path, size: float, place: list[float], normal: lis
     cosine = np.clip(directions @ np.array(normal), 0.0, None)
     seen = map_luminance(picture, directions) * cosine * directions[..., 2] / distance**2
     return float(seen.sum()) * (size / count) ** 2
-
-
-def _room(opening: float) -> list[Document]:
-    """Black floor, walls, and a ceiling around an opening in the middle."""
-    walls = [
-        quad([0, 0, 0], [4, 0, 0], [0, 4, 0]),
-        quad([0, 0, 0], [4, 0, 0], [0, 0, 3]),
-        quad([0, 4, 0], [4, 0, 0], [0, 0, 3]),
-        quad([0, 0, 0], [0, 4, 0], [0, 0, 3]),
-        quad([4, 0, 0], [0, 4, 0], [0, 0, 3]),
-    ]
-    low, high = 2.0 - opening / 2, 2.0 + opening / 2
-    if low > 0.0:
-        walls += [
-            quad([0, 0, 3], [4, 0, 0], [0, low, 0]),
-            quad([0, high, 3], [4, 0, 0], [0, low, 0]),
-            quad([0, low, 3], [low, 0, 0], [0, opening, 0]),
-            quad([high, low, 3], [low, 0, 0], [0, opening, 0]),
-        ]
-    return [surface(wall) for wall in walls]

@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from nocturne_scene.validation.documents import BLACK
 
 from tests.accuracy.agreement import sidak_bound
-from tests.accuracy.scenes import BLACK
 from tests.accuracy.spectral_meters import beam, level, measure, scene, slab
 from tests.accuracy.tracing import Document
 

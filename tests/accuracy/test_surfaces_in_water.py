@@ -9,9 +9,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from nocturne_scene.validation.documents import BLACK, box, diffuse, quad, surface
 
 from tests.accuracy.eight_seeds import differ, means
-from tests.accuracy.scenes import BLACK, box, diffuse, quad, surface
 from tests.accuracy.tracing import Document
 
 pytestmark = pytest.mark.system

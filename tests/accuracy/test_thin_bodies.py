@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from nocturne_scene.validation.documents import BLACK, box, diffuse, measured_scene, quad, surface
 
 from tests.accuracy.meters import Measurement, check_equal
-from tests.accuracy.scenes import BLACK, box, diffuse, measured_scene, quad, surface
 from tests.accuracy.tracing import IN_FULL, Document
 
 pytestmark = [pytest.mark.system, pytest.mark.every_sixth]

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from nocturne_scene.validation.documents import diffuse, film, measured_scene, quad, sphere, surface
 
 from tests.accuracy.meters import Measurement
-from tests.accuracy.scenes import diffuse, film, measured_scene, quad, sphere, surface
 from tests.accuracy.tracing import Document
 
 pytestmark = pytest.mark.system

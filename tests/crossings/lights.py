@@ -2,7 +2,8 @@
 
 from typing import Any
 
-from tests.accuracy.scenes import BLACK
+from nocturne_scene.validation.documents import BLACK
+
 from tests.accuracy.tracing import Document
 from tests.crossings import assets
 from tests.crossings.chance import Point, short

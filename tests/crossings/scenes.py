@@ -7,7 +7,8 @@ lamps and of the sensor; media around everything. What a place may hold is in te
 from dataclasses import dataclass
 from typing import Any
 
-from tests.accuracy.scenes import quad
+from nocturne_scene.validation.documents import quad
+
 from tests.accuracy.tracing import Document
 from tests.crossings import assets, sensors
 from tests.crossings.bodies import (

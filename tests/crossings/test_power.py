@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from nocturne_scene.validation.documents import furnace
 
-from tests.accuracy.scenes import furnace
 from tests.accuracy.tracing import Document, write
 from tests.crossings import assets, injected, methods
 from tests.crossings.judging import ALPHA

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from nocturne_scene.photometry import files, ies
+from nocturne_scene.photometry import eulumdat, files, ies
 from nocturne_scene.photometry.ies import BadPhotometryError, Photometry
 from numpy.typing import NDArray
 
@@ -142,3 +142,47 @@ def test_spoiled_files_give_results_or_errors_with_a_line(noise: bytes, at: int)
         except BadPhotometryError as error:
             places.append(error.line)
     assert all(line >= 1 for line in places)
+
+
+@pytest.mark.parametrize("symmetry", STORED)
+@pytest.mark.parametrize("lumens", [None, 2500.0])
+def test_what_is_written_is_read_again(symmetry: int, lumens: float | None) -> None:
+    """With the planes that its symmetry needs, the same light, and the flux that the file states."""
+    read = files.read(file(symmetry))
+    lamp = Photometry(
+        read.vertical, read.horizontal, read.candela, lumens, read.opening, 30.0, {"TEST": "a, b"}
+    )
+    written = eulumdat.write(lamp)
+    lines = written.decode().splitlines()
+    assert int(lines[2]) == symmetry
+    assert max(map(len, lines)) <= 78
+    again = files.read(written)
+    assert np.array_equal(again.vertical, lamp.vertical)
+    assert again.horizontal == pytest.approx(lamp.horizontal)
+    assert again.candela == pytest.approx(lamp.candela, rel=1e-12)
+    assert again.lamp_lumens == lumens
+    assert again.opening == pytest.approx(lamp.opening)
+    assert again.input_watts == 30.0
+    stated = float(lines[28]) * float(lines[22]) / 100.0
+    assert stated == pytest.approx(ies.flux(lamp), rel=1e-12)
+    assert ies.flux(again) == pytest.approx(stated, rel=1e-12)
+
+
+@given(power=st.floats(0.0, 8.0), lumens=st.floats(1.0, 1e6))
+@settings(max_examples=30)
+def test_cosine_lamps_have_their_flux_and_shine_down(power: float, lumens: float) -> None:
+    """I = I0 cos^n has 2 pi I0 / (n + 1); lines between degrees are off by 1e-4 of its second derivative."""
+    gamma = np.arange(0.0, 181.0)
+    peak = lumens * (power + 1.0) / (2.0 * math.pi)
+    values = peak * np.clip(np.cos(np.radians(gamma)), 0.0, None) ** max(power, 1.0)
+    true = lumens if power >= 1.0 else math.pi * peak
+    lamp = Photometry(gamma, np.zeros(1), values[None], None)
+    lines = eulumdat.write(lamp).decode().splitlines()
+    assert float(lines[28]) == pytest.approx(true, rel=2e-3)
+    assert float(lines[21]) == pytest.approx(100.0, abs=1e-6)
+    assert ies.flux(files.read("\n".join(lines).encode())) == pytest.approx(true, rel=2e-3)
+
+
+def test_a_dark_lamp_has_nothing_to_be_relative_to() -> None:
+    with pytest.raises(ValueError, match="emits no light"):
+        eulumdat.write(Photometry(GAMMA, np.zeros(1), np.zeros((1, len(GAMMA)))))

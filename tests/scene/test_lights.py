@@ -458,3 +458,32 @@ def test_lights_are_hidden_from_cameras_only(
 def test_a_light_is_hidden_from_somebody_known(document: dict[str, Any], blobs: BlobStore) -> None:
     document["surfaces"][1]["luminaire"]["hidden_from"] = "everybody"
     expect_problem(document, blobs, "$.surfaces[1].luminaire.hidden_from", "camera_and_mirrors")
+
+
+@pytest.mark.parametrize("amount", [{}, {"lumens": 800}, {"watts": 9}, {"exitance": 50}])
+def test_maintenance_and_dimming_scale_all_amounts(
+    amount: dict[str, Any], document: dict[str, Any], compiled: Compile
+) -> None:
+    """0.8 of a lamp that is dimmed to a quarter is 0.2 of it, however its amount is given."""
+    lamp = document["surfaces"][1]
+    lamp["luminaire"] = {"radiance": {"blackbody": 3000}, **amount}
+
+    def light() -> Any:
+        scene = compiled(document)
+        return evaluate(scene, scene.luminaires[0].radiance.spectrum)
+
+    full = light()
+    lamp["luminaire"] |= {"maintenance_factor": 0.8, "dimming": 0.25}
+    assert light() == pytest.approx(0.2 * full, rel=1e-6)
+
+
+def test_maintenance_scales_a_photometric_file(
+    document: dict[str, Any], compiled: Compile, blobs: BlobStore
+) -> None:
+    """Its candelas are those of a spectrum of 1 cd/m2."""
+    lamp = document["surfaces"][1]["luminaire"]
+    lamp["profile"] = {"asset": photometric(blobs), "lumens": 1000}
+    lamp["maintenance_factor"] = 0.67
+    scene = compiled(document)
+    spectrum = scene.spectra[scene.luminaires[0].radiance.spectrum]
+    assert spectra.luminance(spectrum) == pytest.approx(0.67, rel=1e-6)

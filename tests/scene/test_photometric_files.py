@@ -130,7 +130,7 @@ def photometries(draw: st.DrawFn) -> Photometry:
     candela = np.array(draw(st.lists(values, min_size=count, max_size=count)))
     lumens = draw(st.none() | st.floats(0, 1e6))
     words = st.text(st.characters(codec="ascii", categories=["L", "N"]), min_size=1, max_size=20)
-    keywords = draw(st.dictionaries(words.filter(lambda key: key != "MORE"), words, max_size=3))
+    keywords = draw(st.dictionaries(words.filter(lambda key: key.upper() != "MORE"), words, max_size=3))
     shape = (len(horizontal), len(vertical))
     return Photometry(vertical, horizontal, candela.reshape(shape), lumens, (-0.5, 1.0, 0.0), 12.5, keywords)
 

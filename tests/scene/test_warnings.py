@@ -14,8 +14,8 @@ from nocturne_scene.compile.compiler import compile_scene
 from nocturne_scene.document.read import parse_document
 from nocturne_scene.film import Film
 from nocturne_scene.textures import pictures
+from nocturne_scene.validation.documents import furnace
 
-from tests.accuracy.scenes import furnace
 from tests.pictures import write_exr
 
 GLASS = {"type": "dielectric", "index": 1.5}

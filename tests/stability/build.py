@@ -5,8 +5,8 @@ from math import cos, radians, sin, sqrt
 from typing import Any
 
 import numpy as np
+from nocturne_scene.validation.documents import BLACK, box, diffuse, quad, surface
 
-from tests.accuracy.scenes import BLACK, box, diffuse, quad, surface
 from tests.accuracy.tracing import Document
 
 Point = Sequence[float]

@@ -54,7 +54,9 @@ class Lights:
         message = scene_pb2.Luminaire(surface=index, two_sided=luminaire.two_sided)
         with self._workspace.problems_at(f"{place}.luminaire"):
             luminance_of = self._amount(surface, luminaire, in_group=in_group)
-            colour = self._textures.radiance(luminaire.radiance, ".radiance", luminance_of=luminance_of)
+            colour = self._textures.radiance(
+                luminaire.radiance, ".radiance", luminance_of=luminance_of, part=luminaire.part_emitted
+            )
             self._report_lines(luminaire.radiance, f"{place}.luminaire.radiance")
             if colour is None:
                 self._workspace.dropped.append(f"{place}.luminaire: emits no visible light")

@@ -102,6 +102,19 @@ class Luminaire(Node):
         description="How the radiance depends on direction. Default: the same in all directions.",
     )
     hidden_from: HiddenFrom = None
+    maintenance_factor: Annotated[Finite, Field(gt=0, le=1)] = Field(
+        default=1.0,
+        description="What is left of the light before the luminaire is cleaned and its lamps are replaced "
+        "(CIE 97): scales all that it emits, however its amount is given.",
+    )
+    dimming: Annotated[Finite, Field(gt=0, le=1)] = Field(
+        default=1.0, description="To which part of its full light the luminaire is dimmed."
+    )
+
+    @property
+    def part_emitted(self) -> float:
+        """Of the light that the document says."""
+        return self.maintenance_factor * self.dimming
 
     @property
     def has_amount(self) -> bool:

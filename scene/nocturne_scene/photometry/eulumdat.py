@@ -1,10 +1,11 @@
-"""EULUMDAT files, read: one value on each line, in a fixed order (A. W. Stockmar, Licht, 1990).
+"""EULUMDAT files, read and written: one value on each line, in a fixed order (A. W. Stockmar, Licht, 1990).
 
 Intensities are in cd per 1000 lm of the lamps over gamma from straight down and planes C about that; C is the
 horizontal angle here, which increases in the same sense. The first of several sets of lamps is taken.
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,6 +15,8 @@ from nocturne_scene.photometry.ies import (
     BadPhotometryError,
     Photometry,
     all_around,
+    flux,
+    number_text,
 )
 from nocturne_scene.spectra.published import Floats
 
@@ -73,6 +76,86 @@ def read(lines: Sequence[str]) -> Photometry:
     return Photometry(gamma, horizontal, candela, flux if lamps >= 0 else None, opening, watts, keywords)
 
 
+def write(photometry: Photometry) -> bytes:
+    """Write a file with the least planes that its symmetry needs; absolute photometry, with a negative number
+    of lamps, without `lamp_lumens`. Direct ratios, of a method of planning by hand, are 0. Raises ValueError
+    where there is no light to be relative to.
+    """
+    total = flux(photometry)
+    lumens = total if photometry.lamp_lumens is None else photometry.lamp_lumens
+    if not lumens > 0:
+        raise ValueError("the lamp emits no light, and EULUMDAT tells intensities per 1000 lm of it")
+    planes, symmetry = photometry.horizontal[:-1], _symmetry(photometry)
+    if symmetry == _ABOUT_THE_AXIS:
+        planes = np.zeros(1)
+    rows = photometry.candela[_rows_of(symmetry, len(planes))] * (1000.0 / lumens)
+    gamma = photometry.vertical
+    below = flux(_lower_half(photometry))
+    width, length, height = (1000.0 * each for each in photometry.opening)
+    size = (-width, 0.0) if width < 0 else (width, length)
+    key = photometry.keywords.get
+    lines: list[object] = [key("MANUFAC", ""), 1 if symmetry == _ABOUT_THE_AXIS else 3, symmetry, len(planes)]
+    lines += [_step(planes), len(gamma), _step(gamma), key("TEST", ""), key("LUMINAIRE", "")]
+    lines += [key("LUMCAT", ""), "", key("ISSUEDATE", ""), *size, height, *size, *[height] * 4]
+    lines += [100.0 * below / total if total else 0.0, 100.0 * total / lumens, 1, 0, 1]
+    lines += [-1 if photometry.lamp_lumens is None else 1, "", lumens, "", "", photometry.input_watts]
+    lines += [*[0] * _RATIOS, *planes, *gamma, *rows.ravel()]
+    texts = (line[:78] if isinstance(line, str) else number_text(float(str(line))) for line in lines)
+    return ("\r\n".join(" ".join(text.split()) for text in texts) + "\r\n").encode("latin-1", "replace")
+
+
+def _lower_half(photometry: Photometry) -> Photometry:
+    """What is sent down, to gamma 90."""
+    gamma = photometry.vertical
+    kept = np.append(gamma[gamma < 90], [90.0] if gamma[-1] >= 90 else [])
+    rows = [np.interp(kept, gamma, row) for row in photometry.candela]
+    return replace(photometry, vertical=kept, candela=np.array(rows).reshape(len(rows), len(kept)))
+
+
+def _symmetry(photometry: Photometry) -> int:
+    """The highest that planes and intensities have, exactly."""
+    planes, candela = photometry.horizontal[:-1], photometry.candela[:-1]
+    if len(photometry.horizontal) == 1:
+        return _ABOUT_THE_AXIS
+
+    def mirrors(about: float) -> bool:
+        """In the plane through this angle and the opposite one."""
+        angles = (2 * about - planes) % 360
+        order = np.argsort(angles, kind="stable")
+        here = np.argsort(planes % 360, kind="stable")
+        return bool(
+            np.array_equal(angles[order], (planes % 360)[here])
+            and np.array_equal(candela[order], candela[here])
+        )
+
+    def has(*angles: float) -> bool:
+        return all(np.any(planes == angle) for angle in angles)
+
+    to_c0 = has(0, 180) and mirrors(0)
+    to_c90 = has(90, 270) and mirrors(90)
+    if to_c0 and to_c90:
+        return _TO_BOTH
+    return _TO_C0 if to_c0 else _TO_C90 if to_c90 else _NONE
+
+
+def _rows_of(symmetry: int, planes: int) -> list[int]:
+    """Which rows a file has, in its order."""
+    first = 3 * planes // 4 if symmetry == _TO_C90 else 0
+    return [(first + index) % planes for index in range(_stored_count(symmetry, planes))]
+
+
+def _stored_count(symmetry: int, planes: int) -> int:
+    """How many of so many planes C a file has intensities of."""
+    half, quarter = planes // 2 + 1, planes // 4 + 1
+    return {_ABOUT_THE_AXIS: 1, _TO_C0: half, _TO_C90: half, _TO_BOTH: quarter}.get(symmetry, planes)
+
+
+def _step(angles: Floats) -> float:
+    """The step of equal ones, else 0."""
+    steps = np.diff(angles)
+    return float(steps[0]) if len(steps) and np.allclose(steps, steps[0]) else 0.0
+
+
 def _stored(planes: Floats, symmetry: int, line: int) -> Floats:
     """The planes C whose intensities are in the file; from 270 to 450 degrees for C90-C270."""
     count = len(planes)
@@ -85,8 +168,7 @@ def _stored(planes: Floats, symmetry: int, line: int) -> Floats:
         )
     around = np.append(planes, planes + 360)
     first = {_TO_C90: 3 * count // 4}.get(symmetry, 0)
-    number = {_TO_C0: count // 2 + 1, _TO_C90: count // 2 + 1, _TO_BOTH: count // 4 + 1}.get(symmetry, count)
-    found = around[first : first + number]
+    found = around[first : first + _stored_count(symmetry, count)]
     if np.any(np.diff(found) <= 0):
         raise BadPhotometryError(line, "expected increasing angles C")
     return found

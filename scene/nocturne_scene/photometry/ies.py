@@ -98,13 +98,13 @@ def write(photometry: Photometry) -> bytes:
     lines += [f"[{key}] {_one_line(value)}" for key, value in photometry.keywords.items()]
     lines.append("TILT=NONE")
     lumens = -1.0 if photometry.lamp_lumens is None else photometry.lamp_lumens
-    width, length, height = photometry.opening
     vertical, horizontal = photometry.vertical, photometry.horizontal
     counts = f"{len(vertical)} {len(horizontal)} 1 2"
-    lines.append(f"1 {_number(lumens)} 1 {counts} {_number(width)} {_number(length)} {_number(height)}")
-    lines.append(f"1 1 {_number(photometry.input_watts)}")
+    size = " ".join(number_text(each) for each in photometry.opening)
+    lines.append(f"1 {number_text(lumens)} 1 {counts} {size}")
+    lines.append(f"1 1 {number_text(photometry.input_watts)}")
     for row in (vertical, horizontal, *photometry.candela):
-        numbers = [_number(value) for value in row]
+        numbers = [number_text(value) for value in row]
         # LM-63 limits lines to 256 characters.
         lines += [" ".join(numbers[i : i + 10]) for i in range(0, len(numbers), 10)]
     return ("\r\n".join(lines) + "\r\n").encode("latin-1", "replace")
@@ -332,7 +332,7 @@ def _one_line(value: str) -> str:
     return value.replace("\r", " ").replace("\n", "\r\n[MORE] ")
 
 
-def _number(value: float) -> str:
+def number_text(value: float) -> str:
     """The shortest text that reads back as the same number."""
     text = repr(float(value))
     return text[:-2] if text.endswith(".0") else text

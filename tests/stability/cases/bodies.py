@@ -2,7 +2,8 @@
 
 from math import cos, pi, radians
 
-from tests.accuracy.scenes import sphere
+from nocturne_scene.validation.documents import sphere
+
 from tests.accuracy.tracing import Document
 from tests.stability.build import beam, box, diffuse, film, fresnel, lit, quad, surface
 from tests.stability.case import Case

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 import OpenImageIO
+from nocturne_scene.validation.documents import sphere
 
-from tests.accuracy.scenes import sphere
 from tests.accuracy.tracing import Document
 from tests.stability.build import FURNACE_SOURCE, beam, diffuse, film, furnace, lit, quad, surface, walls
 from tests.stability.case import Case

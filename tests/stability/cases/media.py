@@ -3,7 +3,8 @@
 from math import exp, pi
 from typing import Any
 
-from tests.accuracy.scenes import sphere
+from nocturne_scene.validation.documents import sphere
+
 from tests.accuracy.tracing import Document
 from tests.stability import second
 from tests.stability.build import beam, box, diffuse, lit, quad, surface

@@ -12,6 +12,7 @@ from nocturne_client.cli import (
     preflight_command,
     service_commands,
     token_commands,
+    validate_command,
     webhook_commands,
 )
 from nocturne_client.cli.output import ExitStatus, print_error
@@ -53,6 +54,7 @@ local_commands.add_to(app)
 compare_commands.add_to(app)
 measure_commands.add_to(app)
 preflight_command.add_to(app)
+validate_command.add_to(app)
 app.add_typer(token_commands.app)
 app.add_typer(webhook_commands.app)
 

@@ -168,9 +168,11 @@ def render(
 
 def ies(
     image: Annotated[Path, typer.Argument(metavar="IMAGE.exr", help="Of an intensity meter.")],
-    output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE.ies", help="Where the file goes.")],
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="FILE.ies|.ldt", help="Where the file goes.")
+    ],
 ) -> None:
-    """Write the image of an intensity meter as a photometric file, LM-63-2002, in candelas."""
+    """Write the image of an intensity meter as a photometric file: LM-63-2002, or EULUMDAT, both absolute."""
     from nocturne_client.local.photometry import write_photometry
 
     write_photometry(image, output)

@@ -27,6 +27,7 @@ def add_to(app: typer.Typer) -> None:
     """Adds these commands to the program."""
     app.command()(measure)
     app.command()(glare)
+    app.command()(point)
 
 
 def measure(
@@ -120,6 +121,30 @@ def glare(
         with Client(url) as client:
             found = client.glare(target, azimuth, elevation, threshold)
     print_json(asdict(found)) if as_json else _print_glare(found)
+
+
+def point(
+    image: Annotated[Path, typer.Argument(metavar="IMAGE.exr", help="Of a panorama.")],
+    azimuth: Annotated[
+        float, typer.Option("--azimuth", help="Degrees to the right of the middle, where ahead is.")
+    ] = 0.0,
+    as_json: AsJson = False,
+) -> None:
+    """What the point of a panorama receives: illuminances of planes, of a cylinder, half of one, a
+    half-sphere and a sphere; modelling, and the light's colour temperature on the plane ahead."""
+    from nocturne_client.local.measuring import point_of_file
+
+    found = point_of_file(image, azimuth)
+    if as_json:
+        print_json(asdict(found))
+        return
+    for each in found.illuminances:
+        CONSOLE.print(f"{each.name}: {_value(each.lux, each.error)} lx", highlight=False)
+    CONSOLE.print(f"modelling: {_value(found.modelling, found.modelling_error, 3)}", highlight=False)
+    if found.colour is not None:
+        kelvin = _value(found.colour.kelvin, found.colour.kelvin_error)
+        duv = f"{found.colour.duv:.4f} +- {CONFIDENCE * found.colour.duv_error:.1g}"
+        CONSOLE.print(f"colour ahead: {kelvin} K, Duv {duv} (95 %)", highlight=False)
 
 
 def _file(target: str) -> Path | None:

@@ -14,6 +14,7 @@ from nocturne_scene.photometry import glare, measuring
 from nocturne_scene.photometry.directions import Projection
 from nocturne_scene.photometry.glare_sources import GlareSource
 from nocturne_scene.photometry.outlines import Kind, Outline
+from nocturne_scene.photometry.point_illuminances import PointReading, point_reading
 from nocturne_scene.quantities import LUMINANCE, Quantity, quantity_named
 from nocturne_scene.tile_sums import PRODUCTS, blocks_in
 from nocturne_scene.uncertainty import ImageMoments
@@ -82,6 +83,14 @@ def glare_of_file(
         dgp_sources=_sources(found.dgp_sources),
         notes=[*_of_another_camera(projection, moments.samples.shape), *found.notes],
     )
+
+
+def point_of_file(image: Path, azimuth_degrees: float) -> PointReading:
+    """What the point of a panorama receives. Raises NocturneClientError."""
+    try:
+        return point_reading(_moments(read_picture(image)), _quantity(image), azimuth_degrees)
+    except InputError as error:
+        raise _refused(error) from error
 
 
 def _of_another_camera(projection: str, shape: tuple[int, ...]) -> list[str]:

@@ -1,9 +1,10 @@
-"""`nocturne ies`: what an intensity meter saw, as a photometric file."""
+"""`nocturne ies`: what an intensity meter saw, as a photometric file of either kind."""
 
 from pathlib import Path
 
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
+from nocturne_scene.photometry import eulumdat
 from nocturne_scene.photometry import ies as photometric_files
 from nocturne_scene.photometry.meter_images import photometry_of
 from nocturne_scene.quantities import INTENSITY, quantity_named
@@ -12,7 +13,8 @@ from nocturne_client.errors import NocturneClientError
 
 
 def write_photometry(image: Path, output: Path) -> None:
-    """Writes the EXR of an intensity meter as LM-63-2002, in candelas. Raises NocturneClientError."""
+    """Writes the EXR of an intensity meter as LM-63-2002, or as EULUMDAT where the name ends in .ldt;
+    both absolute. Raises NocturneClientError."""
     buffer = oiio.ImageBuf(str(image))
     spec = buffer.spec()
     scene, engine = (spec.getattribute(f"nocturne:{name}") for name in ("scene", "engine"))
@@ -35,7 +37,9 @@ def write_photometry(image: Path, output: Path) -> None:
         "OTHER": f"standard errors up to {error.max():.3g} cd",
     }
     try:
-        data = photometric_files.write(photometry_of(candela, keywords))
+        made = photometry_of(candela, keywords)
+        as_eulumdat = output.suffix.lower() == ".ldt"
+        data = eulumdat.write(made) if as_eulumdat else photometric_files.write(made)
         output.write_bytes(data)
     except ValueError as problem:
         raise NocturneClientError(f"{image}: {problem}") from problem
