@@ -279,7 +279,7 @@ def sky(folder: Path) -> Document:
 
 
 def night(folder: Path) -> Document:
-    """Without a sky: a lamp that lets light through, seen before black, and a floor that passes most of it."""
+    """Without a sky: a lamp that lets light through, seen before black, and a floor that passes most."""
     del folder
     floor = {
         **_FLOOR,
