@@ -57,20 +57,18 @@ def refused(tmp_path: Path, *surfaces: Any, **parts: Any) -> list[str]:
 
 def test_a_black_sky_where_light_passes_surfaces_straight(tmp_path: Path) -> None:
     """Without any sky, Mitsuba's paths that only pass surfaces are black, whatever light they found."""
+    grey: Any = {"type": "lambertian", "reflectance": 0.5}
+    mask = {"type": "blend", "first": grey, "second": {"type": "null"}, "weight": 0.3}
     pane = {**LAMP, "kernel": {"type": "null"}, "luminaire": {"radiance": 1.0, "two_sided": False}}
-    cut = {"shape": BALL, "kernel": {"type": "blend", "first": {"type": "lambertian", "reflectance": 0.5}}}
-    cut["kernel"] |= {"second": {"type": "null"}, "weight": 0.3}
-    grey = {"shape": BALL, "kernel": {"type": "lambertian", "reflectance": 0.5}}
-    sky = {"radiance": 1.0}
-    for case, (surface, parts, constants) in enumerate(
-        (
-            (pane, {}, ["0.0"]),
-            (cut, {}, ["0.0"]),
-            (grey, {}, []),
-            (grey, {"distant": [{"direction": [0, 1, 0], "sun": True}]}, ["0.0"]),
-            (pane, {"environment": sky}, ["1.0"]),
-        )
-    ):
+    sun = [{"direction": [0, 1, 0], "sun": True}]
+    cases: list[tuple[Any, Any, list[str]]] = [
+        (pane, {}, ["0.0"]),
+        ({"shape": BALL, "kernel": mask}, {}, ["0.0"]),
+        ({"shape": BALL, "kernel": grey}, {}, []),
+        ({"shape": BALL, "kernel": grey}, {"distant": sun}, ["0.0"]),
+        (pane, {"environment": {"radiance": 1.0}}, ["1.0"]),
+    ]
+    for case, (surface, parts, constants) in enumerate(cases):
         (folder := tmp_path / str(case)).mkdir()
         root, _ = export(folder, surface, **parts)
         found = [each.find("spectrum") for each in root.iter("emitter") if each.get("type") == "constant"]
