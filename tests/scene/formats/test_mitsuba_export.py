@@ -1,6 +1,7 @@
 """Documents as scenes of Mitsuba's: the written features, and those that are refused by name.
 
-That they look the same is tested with Mitsuba itself: tests/mitsuba/test_exports.py.
+That they look the same is tested with Mitsuba itself: tests/mitsuba/test_exports.py. It is long by
+the many features that are written.
 """
 
 import json
