@@ -1,4 +1,4 @@
-"""The core alone: the instructions that follow from each event."""
+"""The core alone: the instructions that follow from each event. Long: one test for each kind of event."""
 
 from collections.abc import Callable
 from dataclasses import replace

@@ -176,7 +176,7 @@ def test_a_checkpoint_is_made_only_of_something_new(service: Service) -> None:
     "statement",
     [
         "INSERT INTO webhook (id, owner, url, secret, created) VALUES ('w', '', '', '', 1.0)",
-        "INSERT INTO machine VALUES ('node', x'00', 1.0)",
+        "INSERT INTO machine VALUES ('node', x'00', 1.0, 'pool')",
         "INSERT INTO drain VALUES ('w', '', 1.0)",
         "INSERT INTO upload VALUES ('', 'ab', 1)",
         "INSERT INTO deleted_usage VALUES ('', 1, 1.0)",

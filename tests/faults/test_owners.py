@@ -1,4 +1,7 @@
-"""Several owners: the renders, requests and names of one owner do not affect the others."""
+"""Several owners: the renders, requests and names of one owner do not affect the others.
+
+Long: each way in which one owner could reach another has its test.
+"""
 
 import hashlib
 import json

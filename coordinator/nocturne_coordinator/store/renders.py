@@ -1,4 +1,7 @@
-"""Renders: making them, finding them, and their requested settings."""
+"""Renders: making them, finding them, and their requested settings.
+
+Long: all of one table, which one transaction may touch.
+"""
 
 import base64
 import hashlib
