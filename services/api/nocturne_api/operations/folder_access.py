@@ -21,7 +21,7 @@ from nocturne_api.errors import FolderSlow, failure_of
 
 _log = logging.getLogger(__name__)
 
-CANCELLED = "CANCELLED"
+BROKEN_OFF = "BROKEN_OFF"
 """How a call ended whose caller left before its end."""
 
 _P = ParamSpec("_P")
@@ -113,7 +113,7 @@ class FolderAccess:
         try:
             yield record
         except asyncio.CancelledError:
-            await asyncio.shield(self._keep(record, what, request_id, CANCELLED))
+            await asyncio.shield(self._keep(record, what, request_id, BROKEN_OFF))
             raise
         except (sqlite3.OperationalError, FolderSlow):
             # What could not be written changed nothing, and a line of it could not be written either.
