@@ -71,6 +71,9 @@ def luminaire(draft: Draft, level: float = _LUMINANCE) -> Document:
         made["profile"] = {"cosine_power": chance.number(0.0, 4.0)}
     if chance.maybe(0.5):
         made["two_sided"] = chance.maybe(0.8)
+    for name in ("dimming", "maintenance_factor"):
+        if chance.maybe(0.15):
+            made[name] = chance.number(0.3, 1.0)
     return made | hidden(draft)
 
 
