@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from nocturne_scene.validation.cie171 import CUBE_CAMERA, cube_walls
 from nocturne_scene.validation.documents import (
     BLACK,
     GREY,
@@ -17,7 +18,6 @@ from nocturne_scene.validation.documents import (
     film,
     furnace,
     measured_scene,
-    quad,
     sphere,
     surface,
 )
@@ -241,19 +241,9 @@ def test_cie_171_5_8_cube(reflectance: str, tmp_path: Path) -> None:
     sphere of 1 cm that light passes through: the mean depends on its flux alone. Uncertainty: rounding
     of the direct light, which is taken off.
     """
-    kernel = diffuse(float(reflectance))
-    corners: list[tuple[list[float], list[float], list[float]]] = [
-        ([0, 0, 0], [4, 0, 0], [0, 4, 0]),
-        ([0, 0, 4], [4, 0, 0], [0, 4, 0]),
-        ([0, 0, 0], [4, 0, 0], [0, 0, 4]),
-        ([0, 4, 0], [4, 0, 0], [0, 0, 4]),
-        ([0, 0, 0], [0, 4, 0], [0, 0, 4]),
-        ([4, 0, 0], [0, 4, 0], [0, 0, 4]),
-    ]
-    walls = [surface(quad(*corner), kernel) for corner in corners]
     lamp = lamp_of([2, 2, 2], 1.0, 10_000.0)
-    camera = {"type": "orthographic", "position": [2, 2, 0.5], "look_at": [2, 2, 0], "height": 4.0}
-    seen = Measurement(measured_scene(camera, [*walls, lamp]), tmp_path).by_seeds(512)
+    walls = cube_walls(float(reflectance))
+    seen = Measurement(measured_scene(CUBE_CAMERA, [*walls, lamp]), tmp_path).by_seeds(512)
     indirect = seen * (pi / float(reflectance)) - 10_000.0 / 96.0
     indirect.check(CIE_171["5.8"]["lx"][reflectance], 2e-5 / float(reflectance))
 

@@ -158,8 +158,17 @@ def _glass() -> Iterator[Scene]:
         yield Scene(document, (value,))
 
 
-def _cube(known: dict[str, float]) -> Iterator[Scene]:
-    source = _REPORT.format("5.8", "diffuse reflection in a cube, E = F rho / (S (1 - rho))")
+CUBE_CAMERA: Document = {
+    "type": "orthographic",
+    "position": [2, 2, 0.5],
+    "look_at": [2, 2, 0],
+    "height": 4.0,
+}
+"""Sees one whole wall of the cube of case 5.8."""
+
+
+def cube_walls(reflectance: float) -> list[Document]:
+    """The six walls of the cube of case 5.8, 4 m wide."""
     corners: list[tuple[list[float], list[float], list[float]]] = [
         ([0, 0, 0], [4, 0, 0], [0, 4, 0]),
         ([0, 0, 4], [4, 0, 0], [0, 4, 0]),
@@ -168,15 +177,22 @@ def _cube(known: dict[str, float]) -> Iterator[Scene]:
         ([0, 0, 0], [0, 4, 0], [0, 0, 4]),
         ([4, 0, 0], [0, 4, 0], [0, 0, 4]),
     ]
+    return [surface(quad(*corner), diffuse(reflectance)) for corner in corners]
+
+
+def _cube(known: dict[str, float]) -> Iterator[Scene]:
+    source = _REPORT.format("5.8", "diffuse reflection in a cube, E = F rho / (S (1 - rho))")
     lamp = {
         "shape": sphere([2, 2, 2], 0.05),
         "kernel": {"type": "null"},
         "luminaire": {"radiance": 1.0, "lumens": 10_000.0},
     }
     for reflectance, lux in known.items():
-        walls = [surface(quad(*corner), diffuse(float(reflectance))) for corner in corners]
-        camera = {"type": "orthographic", "position": [2, 2, 0.5], "look_at": [2, 2, 0], "height": 4.0}
-        document = {"nocturne": 1, "sensor": camera, "surfaces": [*walls, lamp]}
+        document = {
+            "nocturne": 1,
+            "sensor": CUBE_CAMERA,
+            "surfaces": [*cube_walls(float(reflectance)), lamp],
+        }
         value = Value(
             f"5.8, reflectance {reflectance}, indirect lx",
             lux,
