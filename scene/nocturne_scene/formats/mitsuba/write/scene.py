@@ -162,7 +162,7 @@ def _count_all_paths(context: Context) -> None:
     straight = {"null", "mask"} & {each.get("type") for each in context.root.iter("bsdf")}
     if straight and not emitters & {"constant", "envmap"}:
         found = plugin("emitter", "constant")
-        found.append(spectrum("radiance", Table.visible(0.0 * visible_wavelengths())))
+        found.append(spectrum("radiance", Table(np.zeros(1))))
         context.root.append(found)
 
 
