@@ -110,7 +110,7 @@ class Admission:
     def start_odd_ones_anew(self, at: Moment) -> Steps[None]:
         """A render whose first worker rounds as few others do, so that these can't help, loses its start."""
         state = self._state
-        machines = state.fleet.machines_by_profile
+        machines = state.fleet.votes_by_profile
         for render in list(state.renders.values()):
             # A replay is asked for with that very class.
             fixed = bool(render.row.stop.tile_samples)

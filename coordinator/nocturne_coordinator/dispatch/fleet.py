@@ -24,7 +24,7 @@ class Fleet:
         """Workers that are to take no jobs though they are not in quarantine, and why."""
         self.threads = 0
         """Of all workers that take jobs."""
-        self.machines_by_profile: Mapping[str, int] = {}
+        self.votes_by_profile: Mapping[str, int] = {}
         """Of all that could work, whatever the renders need; owners, where there are several."""
         self.jobs_of_others = 0
         """On the stream, of other coordinators."""
@@ -56,7 +56,7 @@ class Fleet:
     def seen(self, workers: tuple[WorkerRow, ...]) -> dict[str, str]:
         """Who is there now; gives those that are newly incompatible, and why."""
         self.workers = workers
-        self.machines_by_profile = votes_by_profile(workers, self.quarantined)
+        self.votes_by_profile = votes_by_profile(workers, self.quarantined)
         found = self._find_incompatible()
         threads: Counter[str] = Counter()
         for worker in workers:

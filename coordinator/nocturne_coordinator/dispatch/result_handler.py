@@ -111,7 +111,7 @@ class ResultHandler:
             return
         floating_point_profile = profile_of(result.floating_point_profile)
         if reason := refusal_of(
-            render.floating_point_profile, floating_point_profile, self._state.fleet.machines_by_profile
+            render.floating_point_profile, floating_point_profile, self._state.fleet.votes_by_profile
         ):
             self._refuse_of(render, entry, f"worker={worker} has {reason}", outcome)
             self._give_back(key, outcome)

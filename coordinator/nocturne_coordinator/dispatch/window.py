@@ -154,7 +154,7 @@ class Window:
 
     def _without_workers(self) -> list[str]:
         """Renders that no worker can work on though some are there."""
-        machines = self._state.fleet.machines_by_profile
+        machines = self._state.fleet.votes_by_profile
         if not machines:
             return []
         return [

@@ -4,7 +4,6 @@ import logging
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
@@ -98,8 +97,8 @@ class Previews:
         self._ledger.leases.let_go(row.id, row.fence)
 
     def _finish_apart(self, waiting: OpenRender) -> None:
-        painted = None
-        if waiting.totals.photons and (painted := self._ask(waiting)) is None:
+        painted, photons = None, waiting.totals.photons
+        if photons and (painted := self._ask(waiting, photons)) is None:
             return
         row = self._ledger.renders.take(waiting.id)
         if row is None:
@@ -118,7 +117,7 @@ class Previews:
         until they can."""
         if not self._is_apart(render.row):
             return True
-        painted = self._ask(replace(render.row, totals=render.totals))
+        painted = self._ask(render.row, render.totals.photons)
         if painted is not None:
             self._painted[render.id] = painted
         return painted is not None
@@ -127,12 +126,12 @@ class Previews:
         """Ends all work."""
         self._processes.close()
 
-    def _ask(self, row: OpenRender) -> Painted | None:
+    def _ask(self, row: OpenRender, photons: int) -> Painted | None:
         try:
             place = self._folder.image_path(row.id).parent
         except NotFound:
             raise LeaseLost(row.id) from None
-        return self._processes.ask(row.id, row.owner, row.totals.photons, place)
+        return self._processes.ask(row.id, row.owner, photons, place)
 
     def _is_apart(self, row: OpenRender) -> bool:
         return row.schedule.width * row.schedule.height > APART_PIXELS

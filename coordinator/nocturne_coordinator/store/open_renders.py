@@ -76,13 +76,11 @@ class OpenRenders:
     def take(self, render_id: str) -> OpenRender | None:
         """The render as it is now, with a new fence: ours from here on. None if another one works on it."""
         with self._leases.owned():
-            row = self._database.row(f"SELECT {_COLUMNS} FROM render WHERE id = ?", (render_id,))  # noqa: S608
-            if row is None or row["holder"] not in (0, self._leases.number):
+            found = find_render(self._database, render_id)
+            if found is None or found.holder not in (0, self._leases.number):
                 return None
             self._leases.take(render_id)
-            row = self._database.row(f"SELECT {_COLUMNS} FROM render WHERE id = ?", (render_id,))  # noqa: S608
-            assert row is not None  # noqa: S101 - it was there in the same transaction
-            return _open_render(self._database, row)
+            return find_render(self._database, render_id)
 
     def tiles(self, render_id: str) -> Iterator[TileRow]:
         """See tiles_of."""
