@@ -42,7 +42,7 @@ CREATE_GROUP: dict[str, Any] = {
     "request_id": "film-1",
     "changes": {"sensor.position[0]": "-1..1"},
     "varied": [{"place": "tracing.seed", "values": [1, 2]}],
-    "frames": {"first": 1, "last": 24},
+    "frames": {"first": 1, "last": 6},
 }
 
 USAGE: dict[str, Any] = {
