@@ -23,6 +23,7 @@ from nocturne_coordinator.dispatch.state import COMMIT_SECONDS, Settings
 from nocturne_coordinator.errors import AlreadyOwned, OwnershipLost, QueueError, QueueTaken, UnusableFolder
 from nocturne_coordinator.event_log import EventLog
 from nocturne_coordinator.log_lines import write_log_lines
+from nocturne_coordinator.memory import memory_bytes
 from nocturne_coordinator.output.previews import Previews
 from nocturne_coordinator.queue.guard import Guard
 from nocturne_coordinator.queue.job_queue import JobQueue, Session
@@ -206,6 +207,7 @@ def _run(options: argparse.Namespace, stop: threading.Event) -> None:
             options.audit_share_new,
             options.job_seconds,
             options.enrolled,
+            memory_bytes(),
         )
         ledger = Ledger(folder.database, ownership)
         if options.checkpoint_seconds > 0.0:

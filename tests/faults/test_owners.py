@@ -16,6 +16,7 @@ from nocturne.v1 import asset_service_pb2, asset_service_pb2_grpc, render_servic
 from nocturne.v1 import render_service_pb2 as pb
 from nocturne_coordinator import limits
 from nocturne_coordinator.dispatch.records import RenderState
+from nocturne_coordinator.dispatch.state import Settings
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.ledger import Ledger
 from nocturne_coordinator.store.ownership import Ownership
@@ -110,6 +111,29 @@ def test_nobody_holds_more_than_half_of_what_others_leave(monkeypatch: pytest.Mo
             world.start()
         world.run(2.0)
     assert running(world) == ["alice"] * 4 + ["bob"] * 2 + ["carol"]
+
+
+def test_a_film_that_memory_can_never_hold_is_refused_by_a_sentence() -> None:
+    """P16: taken up, it would end the coordinator again and again."""
+    world = World(settings=Settings(memory_bytes=4 * 2**30))
+    large, other = world.create(10, width=8192, height=8192), create(world, "bob")
+    world.start()
+    world.worker()
+    world.run_until(lambda: world.row(large).state.ended and world.row(other).state.ended)
+    assert (world.row(large).state, world.row(other).state) == (RenderState.FAILED, RenderState.SUCCEEDED)
+    assert world.store.renders.get(large).reason.startswith("A film of 8192 x 8192 needs 16.5 GiB of memory where ")
+
+
+def test_with_little_memory_fewer_films_are_at_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    """P16: of two fifths of it one owner has half, here four films."""
+    monkeypatch.setattr(limits, "MEMORY_BESIDE", 0)
+    memory = round(2 * 4 * NUMBERS * 8 / limits.SUMS_PART_OF_MEMORY) + 8
+    world = World(settings=Settings(memory_bytes=memory))
+    for _ in range(6):
+        create(world, "alice", samples=10**6)
+    world.start()
+    world.run(2.0)
+    assert running(world) == ["alice"] * 4
 
 
 def test_newcomers_are_bounded_too() -> None:

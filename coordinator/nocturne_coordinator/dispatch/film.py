@@ -200,11 +200,6 @@ class MergedFilm:
         return self._shown.whole.pixels
 
     @property
-    def numbers_held(self) -> int:
-        """Of pixels, in memory."""
-        return self._shown.whole.pixels.size * (3 if self.forward else 1)
-
-    @property
     def squares(self) -> Squares:
         """Sums for the correlation of neighbours' errors."""
         self._refresh()

@@ -29,6 +29,7 @@ from nocturne_coordinator.dispatch.records import (
     TileRows,
 )
 from nocturne_coordinator.dispatch.trust import CONFIDENCE, RangeEnd, confirmed, doubt_of, falls
+from nocturne_coordinator.limits import MAX_LOOKED_AT_PIXELS
 
 _RATE_SECONDS = 10.0
 """Over which photons per second are counted: many jobs, yet soon 0 when the workers are gone."""
@@ -67,6 +68,8 @@ class RunningRender:
         """Of the error, at the last preview."""
         self._before = self._now = RangeEnd()
         self._judged_photons = 0
+        self.finds_errors = self.planned.pixels <= MAX_LOOKED_AT_PIXELS
+        """Itself; else they are told by `judged`."""
         self.next_preview = 0.0
         self.next_figures = 0.0
         self.pictured_photons = 0
@@ -438,10 +441,13 @@ class RunningRender:
             unseen_pixels=estimate.unseen_pixels,
             doubt=self.doubt,
         )
+        return point, self._is_for_history(point)
+
+    def _is_for_history(self, point: ErrorPoint) -> bool:
         in_history = point.relative_error > 0.0 and point.photons >= self._history_photons
         if in_history:
             self._history_photons = point.photons * _HISTORY_STEP
-        return point, in_history
+        return in_history
 
     @property
     def doubt(self) -> str:
@@ -459,12 +465,20 @@ class RunningRender:
         self._judge()
         return doubt_of(self.estimate)
 
+    def judged(self, point: ErrorPoint, estimate: ErrorEstimate) -> tuple[ErrorPoint, bool]:
+        """The error was found elsewhere; gives the point as it is to be told, and whether for the history."""
+        self._took(estimate)
+        point = replace(point, doubt=self.doubt)
+        return point, self._is_for_history(point)
+
     def _judge(self) -> None:
         """Estimates the error of the merged results."""
-        if self._judged_photons == self.totals.photons:
-            return
-        self._judged_photons = self.totals.photons
-        self.estimate = self.film.estimate()
+        if self._judged_photons != self.totals.photons and self.finds_errors:
+            self._judged_photons = self.totals.photons
+            self._took(self.film.estimate())
+
+    def _took(self, estimate: ErrorEstimate) -> None:
+        self.estimate = estimate
         now = RangeEnd.of(self.estimate)
         if now.samples > self._now.samples:
             self._before = self._now

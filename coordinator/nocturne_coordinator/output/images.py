@@ -227,7 +227,26 @@ def _measured(name: str) -> dict[str, Any]:
     return attributes
 
 
+_BAND_PIXELS = 2**20
+"""Of an image of which channels are made at once: its moments take four times as much memory."""
+
+
 def _exr_channels(
+    sums: Sums, counts: Counts, squares: Squares, further_responses: Sequence[str]
+) -> dict[str, npt.NDArray[Any]]:
+    edge, (height, width) = squares.tile_size, counts.shape
+    tiles = max(1, _BAND_PIXELS // (edge * width))
+    channels: dict[str, npt.NDArray[Any]] = {}
+    for first in range(0, squares.of_tiles.shape[0], tiles):
+        rows = slice(first * edge, (first + tiles) * edge)
+        blocks = slice(first * edge // BLOCK, (first + tiles) * edge // BLOCK)
+        of_band = Squares(squares.of_blocks[blocks], squares.of_tiles[first : first + tiles], edge)
+        for name, values in _channels_of(sums[rows], counts[rows], of_band, further_responses).items():
+            channels.setdefault(name, np.empty((height, width), values.dtype))[rows] = values
+    return channels
+
+
+def _channels_of(
     sums: Sums, counts: Counts, squares: Squares, further_responses: Sequence[str]
 ) -> dict[str, npt.NDArray[Any]]:
     moments = moments_of(sums, counts, *squares)
