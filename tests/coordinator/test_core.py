@@ -21,6 +21,7 @@ from nocturne_coordinator.dispatch.events import (
     StreamIsReady,
     Tick,
 )
+from nocturne_coordinator.dispatch.film import MergedFilm
 from nocturne_coordinator.dispatch.range_queue import RangeState
 from nocturne_coordinator.dispatch.records import ErrorPoint, OpenRender, RenderState, TileRow, Totals
 from nocturne_coordinator.dispatch.scheduler import JobKey
@@ -354,7 +355,7 @@ def test_results_are_merged_between_pictures_of_many_renders() -> None:
     assert [shown(0.5 + 2.0 * turn) for turn in range(8)] == [[f"{number}"] for number in range(8)]
 
 
-def test_a_large_film_is_looked_at_by_a_process_alone() -> None:
+def test_a_large_film_is_looked_at_by_a_process_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     """The render is not held up while that works, and says of its end what the last pictures show."""
     large = row("large", stop=StopConditions(wall_seconds=100.0))
     shell = Shell((replace(large, schedule=make_schedule(2048, 1025, 3000)),))
@@ -367,7 +368,8 @@ def test_a_large_film_is_looked_at_by_a_process_alone() -> None:
     def shown(now: float) -> list[do.Instruction]:
         return [each for each in shell.tell(Tick(at(now))) if isinstance(each, wanted)]
 
-    asked, shell.core.state.renders["large"].film.estimate = do.MakePictures("large", final=False), _no_time
+    monkeypatch.setattr(MergedFilm, "estimate", _no_time)
+    asked = do.MakePictures("large", final=False)
     shell.result("large", 0.2)
     assert shown(0.5) == [asked]
     shell.result("large", 0.6, tile=1)
@@ -386,7 +388,7 @@ def test_a_large_film_is_looked_at_by_a_process_alone() -> None:
     assert last[-3] == do.MakePictures("large")
 
 
-def _no_time() -> ErrorEstimate:
+def _no_time(_: MergedFilm) -> ErrorEstimate:
     raise AssertionError("the film is too large to look at while results wait")
 
 
