@@ -15,9 +15,9 @@ def begin(log: Path) -> None:
         log.replace(_kept(log, 1))
 
 
-def bound(log: Path) -> None:
-    """Keeps a copy of one that has grown large, and empties it: its writers append, and go on in it."""
-    if log.exists() and log.stat().st_size > MAX_BYTES:
+def bound(log: Path, max_bytes: int = MAX_BYTES) -> None:
+    """Keeps a copy of one that has grown larger, and empties it: its writers append, and go on in it."""
+    if log.exists() and log.stat().st_size > max_bytes:
         _make_way(log)
         shutil.copyfile(log, _kept(log, 1))
         with log.open("r+b") as file:
