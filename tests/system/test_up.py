@@ -54,6 +54,16 @@ def test_submit_watch_list_get(running_service: Up, tmp_path: Path) -> None:
     assert png.read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.parametrize("more", [(), ("--layers", "albedo")])
+def test_get_and_render_write_equal_files(running_service: Up, tmp_path: Path, more: tuple[str, ...]) -> None:
+    """Not their pixels alone: whoever keeps images by their digest keeps one of each."""
+    here, there = tmp_path / "here.exr", tmp_path / "there.exr"
+    render_id = _nocturne(running_service, "submit", CORNELL, *_SMALL, *more, "--watch").strip()
+    _nocturne(running_service, "get", render_id, "--exr", there)
+    subprocess.run([NOCTURNE, "render", CORNELL, *_SMALL, *more, "-o", here], check=True, timeout=LIMIT_S)
+    assert here.read_bytes() == there.read_bytes()
+
+
 def test_cancel(running_service: Up) -> None:
     render_id = _nocturne(running_service, "submit", CORNELL, *_ENDLESS).strip()
     with Client(running_service.url) as client:
