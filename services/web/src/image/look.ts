@@ -51,12 +51,10 @@ export function scaleOf(show: Show, image: TiledImage): Scale {
       return decades(image.some(3));
     case "relative error":
       return { low: 1e-4, high: 1, logarithmic: true };
-    case "samples": {
-      const most = Math.max(1, ...[...image.tiles.values()].map((tile) => tile.samples));
-      return { low: 0, high: most, logarithmic: false };
-    }
+    case "samples":
+      return { low: 0, high: image.most((tile) => tile.samples), logarithmic: false };
     case "invalid_samples":
-      return { low: 0, high: Math.max(1, ...[...image.tiles.values()].map((tile) => tile.invalid_samples)), logarithmic: false };
+      return { low: 0, high: image.most((tile) => tile.invalid_samples), logarithmic: false };
     case "difference":
       return { low: -4, high: 4, logarithmic: false };
     case "colour":

@@ -112,6 +112,7 @@ function assemble(canvas: HTMLCanvasElement, node: HTMLElement, frame: HTMLEleme
   let refresh = (): void => undefined;
   let remember = (): void => undefined;
   const zoom = element("p", { class: "zoom" });
+  let hasImage = false;
   let viewer: Viewer;
   try {
     viewer = new Viewer(canvas, {
@@ -119,7 +120,8 @@ function assemble(canvas: HTMLCanvasElement, node: HTMLElement, frame: HTMLEleme
       onPaint: () => { overlay.paint({ image: viewer.images[side()], show: viewer.look.show, placement: viewer.placement, width: canvas.width, height: canvas.height, side: side() }); },
       onPlacement: ({ scale }) => {
         remember();
-        setText(zoom, `${Number((100 * scale).toPrecision(3))} %`);
+        // Without one, a single pixel stands for the film.
+        setText(zoom, hasImage ? `${Number((100 * scale).toPrecision(3))} %` : "");
       },
     });
   } catch (error) {
@@ -155,6 +157,7 @@ function assemble(canvas: HTMLCanvasElement, node: HTMLElement, frame: HTMLEleme
     },
     begin: (image) => {
       try {
+        hasImage = true;
         viewer.setImage("first", image);
         if (wanted.placement) viewer.place(wanted.placement);
         if (wanted.chosen) listener.onRegion(clipped(wanted.chosen, image));

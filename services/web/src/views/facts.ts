@@ -2,7 +2,7 @@
 import { element, setText } from "../dom.ts";
 import { formatCount, formatDuration, formatRelativeError, formatSamples, formatValue } from "../format.ts";
 import { costOf } from "../service/price.ts";
-import { elapsedSeconds } from "../service/clock.ts";
+import { elapsedSeconds, serviceNow } from "../service/clock.ts";
 import { hasEnded, type Render } from "../service/types.ts";
 
 const errorMeaning =
@@ -78,7 +78,7 @@ function meanText({ progress: { mean, mean_error }, unit }: Render): string {
 
 function timeLeft(render: Render): string {
   const end = render.progress.predicted_end;
-  return hasEnded(render) || end <= 0 ? "–" : formatDuration(Math.max(0, end - Date.now() / 1000));
+  return hasEnded(render) || end <= 0 ? "–" : formatDuration(Math.max(0, end - serviceNow()));
 }
 
 /** While it runs the rate of now, afterwards the mean. */
