@@ -121,7 +121,9 @@ def test_a_film_that_memory_can_never_hold_is_refused_by_a_sentence() -> None:
     world.worker()
     world.run_until(lambda: world.row(large).state.ended and world.row(other).state.ended)
     assert (world.row(large).state, world.row(other).state) == (RenderState.FAILED, RenderState.SUCCEEDED)
-    assert world.store.renders.get(large).reason.startswith("A film of 8192 x 8192 needs 16.5 GiB of memory where ")
+    assert world.store.renders.get(large).reason.startswith(
+        "A film of 8192 x 8192 needs 16.5 GiB of memory where "
+    )
 
 
 def test_with_little_memory_fewer_films_are_at_work(monkeypatch: pytest.MonkeyPatch) -> None:
