@@ -18,6 +18,7 @@ from nocturne_scene.layers import NO_LAYERS, Layers
 from nocturne_scene.quantities import LUMINANCE, quantity_named
 from nocturne_scene.render_warnings import RenderWarning, header_lines
 from nocturne_scene.spectra.published import XYZ_TO_SRGB
+from nocturne_scene.spectra.wavelength_range import VISIBLE, WavelengthRange
 from nocturne_scene.tile_sums import (
     BLOCK,
     PAIR_FIRST,
@@ -77,6 +78,8 @@ class Provenance:
     """How the scene is traced and why, where a pilot chose."""
     warnings: tuple[RenderWarning, ...] = ()
     """What a pilot found that the image may not show."""
+    wavelengths: WavelengthRange = VISIBLE
+    """Those of the scene."""
 
 
 def manifest_text(samples: Sequence[int]) -> str:
@@ -193,6 +196,7 @@ def write_image(
     }
     if provenance.manifest:
         header["nocturne:tileSamples"] = provenance.manifest
+    header["nocturne:wavelengths"] = str(provenance.wavelengths)
     header |= _measured(provenance.quantity)
     header |= spectral_attributes(further_responses, quantity_named(provenance.quantity))
     if provenance.doubt:

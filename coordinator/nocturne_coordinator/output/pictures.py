@@ -15,6 +15,7 @@ from nocturne_scene.errors import NotFound
 from nocturne_scene.layers import NO_LAYERS, Layers, read_layers
 from nocturne_scene.render_warnings import from_messages
 from nocturne_scene.replacing import UNFINISHED
+from nocturne_scene.scene_ranges import wavelengths_of
 
 from nocturne_coordinator.dispatch.error_estimate import ErrorEstimate
 from nocturne_coordinator.dispatch.records import ErrorPoint
@@ -208,6 +209,7 @@ def provenance_of(render: RunningRender) -> Provenance:
         render.totals.truncated_paths,
         render.planned.schedule.way,
         from_messages(render.planned.schedule.warnings),
+        wavelengths_of(render.planned.schedule),
     )
 
 

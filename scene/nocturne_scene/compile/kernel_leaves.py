@@ -25,7 +25,6 @@ from nocturne_scene.document.kernels import (
     ThinPane,
 )
 from nocturne_scene.spectra import indices
-from nocturne_scene.spectra.published import visible_wavelengths
 
 # Spectra are float32: the numbers 0.7 and 0.3 add up to a little more than 1.
 _ROUNDING = 1e-6
@@ -96,14 +95,14 @@ class Leaves:
             reflectance=self._textures.reflectance(kernel.reflectance, ".reflectance"),
             transmittance=self._textures.reflectance(kernel.transmittance, ".transmittance"),
         )
-        pool, visible = self._workspace.spectra.messages, visible_wavelengths()
-        total = np.zeros(len(visible))
+        pool, grid = self._workspace.spectra.messages, self._workspace.wavelengths.grid()
+        total = np.zeros(len(grid))
         for colour in (message.reflectance, message.transmittance):
-            total += spectra.evaluate(pool[colour.spectrum], visible)
+            total += spectra.evaluate(pool[colour.spectrum], grid)
         if np.any(total > 1 + _ROUNDING):
             worst = int(np.argmax(total))
             raise Unusable(
-                f"reflectance and transmittance add up to {total[worst]:.6g} at {visible[worst]:g} nm; "
+                f"reflectance and transmittance add up to {total[worst]:.6g} at {grid[worst]:g} nm; "
                 "expected at most 1",
                 ".transmittance",
             )
@@ -144,7 +143,8 @@ class Leaves:
     def _interior(self, kernel: Dielectric) -> scene_pb2.Interior:
         message = scene_pb2.Interior(index=self._index(kernel.index), priority=kernel.priority)
         if kernel.absorption is not None:
-            absorption = spectra.reflectance(self._workspace.spectrum(kernel.absorption))
+            found = self._workspace.spectrum(kernel.absorption)
+            absorption = spectra.reflectance(found, self._workspace.spectral)
             if not spectra.is_black(absorption):
                 message.absorption = self._workspace.spectra.index_of(absorption)
         return message

@@ -1,7 +1,7 @@
 """The sensor of a scene document as the tracer's message."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from nocturne.v1 import scene_pb2
@@ -23,8 +23,11 @@ from nocturne_scene.document.sensors import (
     ThinLens,
 )
 from nocturne_scene.meshes.similarity import Similarity
+from nocturne_scene.quantities import measured_by, photometric_quantity_of
 from nocturne_scene.responses import LIGHT_PARTS
 from nocturne_scene.spectra import published
+from nocturne_scene.spectra.named_responses import RESPONSES
+from nocturne_scene.spectra.wavelength_range import WavelengthRange
 
 _Direction = NDArray[np.float64]
 _WAVELENGTHS = {
@@ -47,14 +50,19 @@ def compile_sensor(workspace: Workspace) -> scene_pb2.Sensor:
     sensor = workspace.document.sensor
     first, *later = _poses(sensor, workspace.frame)
     workspace.report_motion(sensor.motion, 1 + len(later), "$.sensor")
-    response = spectra.response(sensor.observer).astype(np.float32)
+    within = workspace.wavelengths
+    if sensor.measures is None:
+        response = spectra.response(sensor.observer, within).astype(np.float32)
+    else:
+        curve = _named_curve(sensor.measures, within, ".measures")
+        response = np.repeat(curve[:, None], len("XYZ"), axis=1)
     message = scene_pb2.Sensor(
         position=first.position,
         right=first.right,
         up=first.up,
         forward=first.forward,
         later_poses=later,
-        response_first_nm=published.FIRST,
+        response_first_nm=within.first,
         response_step_nm=published.STEP,
         response_x=response[:, 0].tolist(),
         response_y=response[:, 1].tolist(),
@@ -62,11 +70,17 @@ def compile_sensor(workspace: Workspace) -> scene_pb2.Sensor:
         wavelength_sampling=_WAVELENGTHS[sensor.wavelengths],
         further_responses=[
             *(_response(workspace, name) for name in sorted(sensor.responses)),
-            *_band_responses(sensor.bands),
+            *_named_responses(sensor.named_responses, within),
+            *_band_responses(sensor.bands, within),
             *(_part_responses(response) if sensor.light_parts else ()),
         ],
         model=_MODELS[sensor.type],
     )
+    if sensor.measures is not None:
+        measured = measured_by(photometric_quantity_of(message.model), sensor.measures)
+        message.quantity.name = measured.name
+        message.quantity.unit = measured.unit
+        message.quantity.response_unit = measured.response_unit
     _put_optics(message, sensor)
     return message
 
@@ -84,24 +98,38 @@ def unit(values: _Direction) -> _Direction:
 
 def _response(workspace: Workspace, name: str) -> scene_pb2.Response:
     spectrum = workspace.spectrum(workspace.document.sensor.responses[name])
-    values = spectra.response_curve(spectrum).astype(np.float32)
+    values = spectra.response_curve(spectrum, workspace.wavelengths).astype(np.float32)
     if not values.any():
-        raise Unusable(
-            f"the response is zero from {published.FIRST:g} to {published.LAST:g} nm", f".responses.{name}"
-        )
+        raise Unusable(f"the response is zero from {workspace.wavelengths}", f".responses.{name}")
     return scene_pb2.Response(name=name, values=values.tolist())
 
 
-def _band_responses(bands: Bands | None) -> Iterator[scene_pb2.Response]:
+def _named_curve(name: str, within: WavelengthRange, suffix: str) -> NDArray[np.float32]:
+    found = RESPONSES[name]
+    values = found.within(within).astype(np.float32)
+    if not values.any():
+        raise Unusable(
+            f'"{name}" is of {found.first:g} to {found.last:g} nm, and the scene of {within}', suffix
+        )
+    return values
+
+
+def _named_responses(names: Sequence[str], within: WavelengthRange) -> Iterator[scene_pb2.Response]:
+    for index, name in enumerate(names):
+        values = _named_curve(name, within, f".named_responses[{index}]")
+        yield scene_pb2.Response(name=name, values=values.tolist())
+
+
+def _band_responses(bands: Bands | None, within: WavelengthRange) -> Iterator[scene_pb2.Response]:
     """Boxes of area 1. Curves are straight between whole nm, so neighbours overlap by one to each side of
     their edge, and together give 1."""
     if bands is None:
         return
-    wavelengths = published.visible_wavelengths()
+    wavelengths = within.grid()
     for start, end in bands.edges:
         inside = (wavelengths > start) & (wavelengths < end)
         at_edge = np.isin(wavelengths, (start, end))
-        outermost = at_edge & np.isin(wavelengths, (published.FIRST, published.LAST))
+        outermost = at_edge & np.isin(wavelengths, (within.first, within.last))
         values = (inside + 0.5 * at_edge + 0.5 * outermost) / (end - start)
         yield scene_pb2.Response(name=band_name(0.5 * (start + end)), values=values.tolist())
 

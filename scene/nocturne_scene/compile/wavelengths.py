@@ -23,7 +23,8 @@ def put_wavelength_density(workspace: Workspace, message: scene_pb2.CompiledScen
     narrow = [list(lines) for lines in found if any(map(line_spectra.is_narrow, lines))]
     if not narrow:
         return
-    knots, density = line_spectra.wavelength_density(_importance(message.sensor), narrow)
+    importance = _importance(message.sensor)
+    knots, density = line_spectra.wavelength_density(importance, narrow, within=workspace.wavelengths)
     message.sensor.wavelength_knots.extend(knots.tolist())
     message.sensor.wavelength_density.extend(density.astype(np.float32).tolist())
 

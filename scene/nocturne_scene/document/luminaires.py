@@ -88,7 +88,9 @@ class Luminaire(Node):
         default=None, description="Luminous flux of the whole surface, of both sides if both emit, lm."
     )
     watts: Annotated[Finite, Field(gt=0, le=bounds.LUMINANCE)] | None = Field(
-        default=None, description="The same as radiant flux from 360 to 830 nm, W."
+        default=None,
+        description="The same as radiant flux over the scene's wavelengths, W: from 360 to 830 nm unless it "
+        "says others.",
     )
     exitance: Annotated[Finite, Field(gt=0, le=bounds.LUMINANCE)] | None = Field(
         default=None, description="Luminous exitance of a side that emits, lm m⁻²."

@@ -2,21 +2,34 @@
 
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from nocturne_scene.document import bounds
 from nocturne_scene.document.fields import Degrees, Finite, Name, PositiveLength, Vector
 from nocturne_scene.document.luminaires import check_axes
-from nocturne_scene.document.node import ByType, Node, problem_at
+from nocturne_scene.document.node import ByType, Node, problem_at, quoted_list
 from nocturne_scene.document.placement import Motion
 from nocturne_scene.document.shapes import length, parallel
 from nocturne_scene.document.spectra import SpectrumReference
 from nocturne_scene.spectra import lines as line_spectra
-from nocturne_scene.spectra import published
+from nocturne_scene.spectra.named_responses import RESPONSES
+from nocturne_scene.spectra.wavelength_range import LONGEST, SHORTEST
 
 Observer = Literal["CIE 1931 2 degree", "CIE 1964 10 degree"]
 _Angle = Annotated[Finite, Field(gt=0, lt=180)]
-_BandEdge = Annotated[int, Field(strict=True, ge=int(published.FIRST), le=int(published.LAST))]
+_BandEdge = Annotated[int, Field(strict=True, ge=int(SHORTEST), le=int(LONGEST))]
+
+
+def _known_response(name: str) -> str:
+    if name not in RESPONSES:
+        shown = name[: bounds.NAME_LENGTH]
+        raise problem_at("", f'no response named "{shown}"; expected one of {quoted_list(RESPONSES)}')
+    return name
+
+
+ResponseName = Annotated[
+    str, Field(strict=True, json_schema_extra={"enum": list(RESPONSES)}), AfterValidator(_known_response)
+]
 
 
 class Bands(Node):
@@ -56,6 +69,17 @@ class _AnySensor(Node):
         "zero beyond a table. They are resolved to 1 nm: what is narrower or steeper keeps its integral and "
         "its centre, and becomes as wide.",
     )
+    measures: ResponseName | None = Field(
+        default=None,
+        description="What takes the place of X, Y and Z, all three the same: light weighed by a response of "
+        "this name, such as irradiance in W m⁻² (`radiant`), PPFD in µmol m⁻² s⁻¹ (`PAR`) or `erythemal` "
+        "irradiance. Errors, regions and stops are then of that. Default: X, Y and Z of the observer, for "
+        "which the scene's wavelengths must hold 360 to 830 nm.",
+    )
+    named_responses: Annotated[list[ResponseName], Field(max_length=len(RESPONSES))] = Field(
+        default=[],
+        description="Further channels by the names of published responses ([all](../how-to/wavelengths.md)).",
+    )
     bands: Bands | None = Field(
         default=None,
         description="Spectral image: further channels named as spectral EXR files have it, such as "
@@ -70,14 +94,28 @@ class _AnySensor(Node):
     wavelengths: Literal["response", "uniform"] = Field(
         default="response",
         description="How a photon's wavelength is drawn: in proportion to X + Y + Z of the "
-        "observer (a further response counts as much as these), or uniformly from 360 to 830 "
-        "nm. Both give the same image; `response` with less noise. Where something emits lines narrower than "
+        "observer (a further response counts as much as these), or uniformly over the scene's wavelengths. "
+        "Both give the same image; `response` with less noise. Where something emits lines narrower than "
         f"{line_spectra.NARROW:g} nm, `response` draws half of the photons for lines: each emission spectrum "
         "that has such lines gets an equal part.",
     )
     motion: Motion | None = Field(
         default=None, description="Movement while the shutter is open; placements without `scale`."
     )
+
+    @model_validator(mode="after")
+    def _names_are_apart(self) -> Self:
+        for index, name in enumerate(self.named_responses):
+            if name in self.named_responses[:index]:
+                raise problem_at(f".named_responses[{index}]", f'"{name}" is there twice')
+        for name in self.responses:
+            # A unit other than of power follows from the name.
+            if name in self.named_responses or (name in RESPONSES and RESPONSES[name].amount != "W"):
+                raise problem_at(
+                    f".responses.{name}",
+                    f'"{name}" is a published response; expected it in named_responses, or another name',
+                )
+        return self
 
 
 class _Sensor(_AnySensor):

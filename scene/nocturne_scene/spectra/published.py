@@ -14,24 +14,18 @@ from typing import Any
 
 import numpy as np
 import platformdirs
-from numpy.typing import NDArray
 
 from nocturne_scene.replacing import replacing
-
-Floats = NDArray[np.float64]
-
-# nm. The range of the CIE 1931 2-degree observer (CIE 018:2019, table 6), and its step.
-FIRST = 360.0
-LAST = 830.0
-STEP = 1.0
+from nocturne_scene.spectra.constants import BOLTZMANN as BOLTZMANN
+from nocturne_scene.spectra.constants import FIRST as FIRST
+from nocturne_scene.spectra.constants import LAST as LAST
+from nocturne_scene.spectra.constants import LIGHT_SPEED as LIGHT_SPEED
+from nocturne_scene.spectra.constants import PLANCK as PLANCK
+from nocturne_scene.spectra.constants import STEP as STEP
+from nocturne_scene.spectra.constants import Floats as Floats
 
 # lm/W. CIE 018:2019: the luminous efficacy that makes Y the luminance in cd/m2.
 MAX_LUMINOUS_EFFICACY = 683.0
-
-# SI 2019, exact: J s, m/s, J/K.
-PLANCK = 6.62607015e-34
-LIGHT_SPEED = 299_792_458.0
-BOLTZMANN = 1.380649e-23
 
 # IEC 61966-2-1: the printed matrices between XYZ (Y of white = 1) and linear sRGB, and Y of red, green
 # and blue.
@@ -140,18 +134,19 @@ def observer(name: str) -> Floats:
     return _kept(f"observer-{name}", read)
 
 
-@lru_cache(maxsize=len(ILLUMINANTS))
-def illuminant(name: str) -> tuple[Floats, Floats]:
+@lru_cache(maxsize=2 * len(ILLUMINANTS))
+def illuminant(name: str, first: float = FIRST, last: float = LAST) -> tuple[Floats, Floats]:
     """Return wavelengths in nm and the relative spectrum there, linear in between; `name` is one of
     ILLUMINANTS.
 
-    A is CIE 015:2018, equation 4.1, each nm. The others are its tables, each 5 nm, as colour-science has
-    them: to 780 nm. Beyond, the daylights are held (its section 7.2.3); the others are dark.
+    A is CIE 015:2018, equation 4.1, each nm from `first` to `last`; E is even there. The others are its
+    tables, each 5 nm, as colour-science has them: to 780 nm. Beyond, the daylights are held to 830 nm (its
+    section 7.2.3); the others are dark.
     """
     if name == "E":
-        return np.array([FIRST, LAST]), np.ones(2)
+        return np.array([first, last]), np.ones(2)
     if name == "A":
-        wavelengths = visible_wavelengths()
+        wavelengths = np.arange(first, last + STEP / 2, STEP)
         return wavelengths, _illuminant_a(wavelengths)
     wavelengths, values = _kept(f"illuminant-{name}", lambda: _spectrum(_colour().SDS_ILLUMINANTS[name]))
     if name not in _DAYLIGHTS:

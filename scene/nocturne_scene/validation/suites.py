@@ -8,6 +8,7 @@ from nocturne_scene.validation import (
     interfaces,
     lamps,
     media,
+    wavelengths,
 )
 from nocturne_scene.validation.cases import Suite
 
@@ -19,4 +20,5 @@ SUITES = (
     Suite("glass", "Fresnel's faces and plates", interfaces.scenes),
     Suite("media", "Slabs, half spaces and layers of media", media.scenes),
     Suite("colours", "Standard illuminants and black bodies", colours.scenes),
+    Suite("wavelengths", "Ultraviolet and near infrared: W, photons, weighed watts", wavelengths.scenes),
 )

@@ -164,13 +164,17 @@ class Render:
     floating_point_profile: str
     """How its workers round, which all do alike; empty before the first result."""
     quantity: str
-    """What Y measures: "luminance", "illuminance" or "luminous intensity"; empty: not kept, in renders of
-    older programs.
+    """What Y measures: "luminance", "illuminance" or "luminous intensity", or what the sensor measures
+    instead, such as "irradiance"; empty: not kept, in renders of older programs.
     """
     unit: str
-    """Unit of Y: "cd/m2", "lx" or "cd"."""
+    """Unit of Y, such as "cd/m2", "lx", "cd" or "W m-2"."""
     response_unit: str
     """Unit of further responses, for one without a unit: "W m-2 sr-1", "W m-2" or "W sr-1"."""
+    first_nm: float
+    """The shortest of the scene's wavelengths, nm: 360 unless it says another."""
+    last_nm: float
+    """The longest of them, nm: 830 unless it says another."""
     warnings: list[RenderWarning]
     """What of the scene can hardly be meant, with its place, and what the image may not show."""
     way: str

@@ -280,6 +280,7 @@ void write_exr(const std::filesystem::path& path, const TileSums& film, std::uin
   header.insert("nocturne:quantity", Imf::StringAttribute(provenance.quantity));
   header.insert("nocturne:unit", Imf::StringAttribute(provenance.unit));
   header.insert("nocturne:responseUnit", Imf::StringAttribute(provenance.response_unit));
+  header.insert("nocturne:wavelengths", Imf::StringAttribute(provenance.wavelengths));
   header.insert("nocturne:scene", Imf::StringAttribute(provenance.scene_sha256));
   header.insert("nocturne:schedule", Imf::StringAttribute(provenance.plan));
   header.insert("nocturne:engine", Imf::IntAttribute(static_cast<int>(provenance.engine)));

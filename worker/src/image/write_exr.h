@@ -25,6 +25,8 @@ struct ImageProvenance {
   /// What a pilot found that the image may not show: a sentence a line; and rectangles in which
   /// light may be missing, "x y width height part" a line.
   std::string warnings = {}, unmet_parts = {};
+  /// Which the scene is about.
+  std::string wavelengths = "360 to 830 nm";
 };
 
 /// Writes means and errors of a film whose tiles have edges of `tile_size` pixels, over `samples`

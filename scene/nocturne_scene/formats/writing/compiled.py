@@ -17,6 +17,8 @@ from nocturne_scene.document.model import SceneDocument
 from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.formats.writing.tables import Array, Table, table_of
 from nocturne_scene.meshes.triangles import Triangles
+from nocturne_scene.scene_ranges import range_of
+from nocturne_scene.spectra.wavelength_range import VISIBLE
 from nocturne_scene.textures import texture_files
 
 # No edge of a scene made by people has this direction.
@@ -296,7 +298,13 @@ class Compiled:
             self.findings.lost("$.sensor.aperture", "a lens opening with corners can't be exported")
         if sensor.further_responses:
             self.findings.lost("$.sensor.responses", "further responses can't be exported")
-        standard = spectra.response().astype(np.float32)
+        within = range_of(sensor)
+        if not within.is_usual:
+            self.findings.lost("$.wavelengths", f"{within} can't be exported, only {VISIBLE}")
+        if sensor.HasField("quantity"):
+            self.findings.lost("$.sensor.measures", "another quantity than luminance can't be exported")
+            return
+        standard = spectra.response(within=within).astype(np.float32)
         curves = (sensor.response_x, sensor.response_y, sensor.response_z)
         if any(not np.array_equal(curve, standard[:, axis]) for axis, curve in enumerate(curves)):
             self.findings.lost("$.sensor.observer", "other observers than that of 1931 can't be exported")

@@ -13,6 +13,7 @@ from nocturne_scene.errors import NotFound
 from nocturne_scene.layers import NO_LAYERS, Layers
 from nocturne_scene.ranges import TileGrid
 from nocturne_scene.render_warnings import from_messages
+from nocturne_scene.scene_ranges import wavelengths_of
 from nocturne_scene.tile_sums import BLOCK, PRODUCTS, blocks_in, decode, sums_per_pixel
 
 MAX_PIXELS = 2**24
@@ -67,6 +68,7 @@ def write_current(
         row.truncated_paths,
         schedule.way,
         from_messages(schedule.warnings),
+        wavelengths_of(schedule),
     )
     of_tiles = whole.reshape(-1, grid.columns, PRODUCTS)
     write_image(

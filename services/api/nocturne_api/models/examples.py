@@ -97,6 +97,8 @@ RENDER: dict[str, Any] = {
     "quantity": "luminance",
     "unit": "cd/m2",
     "response_unit": "W m-2 sr-1",
+    "first_nm": 360,
+    "last_nm": 830,
     "warnings": [
         {
             "kind": "scene",

@@ -1,6 +1,7 @@
 /** How an image is shown. Pure. */
 import type { Scale } from "./colour_maps.ts";
 import type { TiledImage, Region } from "./tiled_image.ts";
+import { shownUnit } from "../format.ts";
 import { decades } from "./colour_maps.ts";
 import type { Triple } from "./colour.ts";
 import type { Render } from "../service/types.ts";
@@ -71,7 +72,7 @@ export interface Measured {
 
 /** What an image's numbers are; those of older renders are not named. */
 export function measured({ quantity, unit, progress }: Pick<Render, "quantity" | "unit" | "progress">): Measured {
-  return { quantity: quantity || "Y", unit: unit.replace("m2", "m²"), mean: progress.mean };
+  return { quantity: quantity || "Y", unit: shownUnit(unit), mean: progress.mean };
 }
 
 /** What the numbers beside the colour map are. */
