@@ -30,6 +30,8 @@ from nocturne_scene.formats.reading import crowds
 from nocturne_scene.formats.reading.crowds import MANY
 from nocturne_scene.meshes.headers import UnusableMeshError
 from nocturne_scene.meshes.placements import read_placements, write_placements
+from nocturne_scene.photometry import eulumdat, files, ies, tm33
+from nocturne_scene.photometry.intensities import BadPhotometryError, Photometry, flux
 
 from tests.pictures import write_exr
 from tests.scene.formats.test_any_scene import CORPUS, WORDS, changed, try_import
@@ -193,6 +195,38 @@ def _try_placements(file: Path, content: bytes) -> None:
     np.testing.assert_allclose(np.linalg.det(found.rotations), 1.0, rtol=1e-6)
 
 
+def _luminaires(_: Path) -> list[Seed]:
+    """Photometric files of each kind."""
+    vertical, horizontal = np.array([0.0, 45.0, 90.0, 180.0]), np.array([0.0, 90.0, 180.0, 270.0, 360.0])
+    candela = np.random.default_rng(1).uniform(1.0, 100.0, (5, 4))
+    candela[-1] = candela[0]
+    light = np.array([400.0, 500.0, 700.0]), np.array([0.5, 1.0, 0.2])
+    lamp = Photometry(
+        vertical, horizontal, candela, None, (0.1, 0.2, 0.0), 5.0, {"TEST": "1"}, spectrum=light
+    )
+    type_b = (
+        b"IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 3 3 2 2 0 0 0\n1 1 1\n-90 0 90\n-90 0 90\n1 2 3 4 5 6 7 8 9\n"
+    )
+    made = {
+        "c.ies": ies.write(lamp),
+        "b.ies": type_b,
+        "a.ldt": eulumdat.write(lamp),
+        "a.xml": tm33.write(lamp),
+    }
+    return [Seed("", name, {name: each}, words) for name, each in made.items() for words in (True, False)]
+
+
+def _try_luminaire(content: bytes) -> None:
+    try:
+        found = files.read(content)
+    except BadPhotometryError:
+        return
+    assert np.isfinite(found.candela).all()
+    assert (found.candela >= 0).all()
+    assert found.candela.shape == (len(found.horizontal), len(found.vertical))
+    assert flux(found) >= 0
+
+
 READERS: dict[str, Callable[[Path], list[Seed]]] = {
     "mitsuba": lambda _: [*_words("scene.xml"), *_words("old.xml")],
     "pbrt": lambda _: [*_words("scene.pbrt"), *_words("old.pbrt")],
@@ -205,6 +239,7 @@ READERS: dict[str, Callable[[Path], list[Seed]]] = {
     "parts": _parts,
     "packed": _packed,
     "placements": _placements,
+    "luminaires": _luminaires,
 }
 
 
@@ -268,6 +303,8 @@ def _work(sender: Connection, folder: Path, name: str, first: int, ends: float) 
             contents = {**seed.files, seed.part: seed.spoilt(random_)}
             if name == "placements":
                 _try_placements(folder / "spoilt.ply", contents[seed.part])
+            elif name == "luminaires":
+                _try_luminaire(contents[seed.part])
             else:
                 try_import(seed.scene, contents, allow_missing=random_.random() < 0.5)
         except BaseException:  # whatever it is, it is told
