@@ -2,6 +2,7 @@
 
 import csv
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,9 +11,11 @@ import pytest
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.goniometer import Goniometer, measure_lamp
 from nocturne_client.local.local_stop import largest_error
-from nocturne_scene.photometry import files
+from nocturne_scene.photometry import files, tm25
 from nocturne_scene.photometry.intensities import flux
 from nocturne_scene.photometry.meter_images import errors_of, flux_of, photometry_of
+
+from tests.scene.test_tm25 import lambertian
 
 _METER = {"type": "intensity_meter", "position": [0, 0, 0], "lamp_radius": 1}
 
@@ -111,3 +114,21 @@ def test_the_largest_error_is_a_part_of_the_largest_pixel() -> None:
     found = largest_error(sums, np.full((1, 4), 100, dtype=np.uint32))
     assert found == pytest.approx(0.2 / 2.0, rel=0.05)  # one more find adds a little
     assert largest_error(np.zeros((1, 4, 9)), np.full((1, 4), 100, dtype=np.uint32)) == np.inf
+
+
+def test_the_far_field_of_a_ray_file(tmp_path: Path) -> None:
+    rays, light = lambertian(50_000, texts=["Lamp"]), (np.array([450.0, 550.0]), np.array([0.5, 1.0]))
+    tm25.write(tmp_path / "lamp.TM25RAY", replace(rays, spectra=[light]))
+    outputs = _measure(tmp_path, tmp_path / "lamp.TM25RAY", 0.01, 36)
+    ies, xml = (files.read(outputs[index].read_bytes()) for index in (0, 2))
+    assert ies.keywords["LUMINAIRE"] == "Lamp"
+    assert ies.candela[:, 0] == pytest.approx(np.full(14, 1000 / np.pi), rel=0.2)
+    assert flux(ies) == pytest.approx(1000, rel=0.01)
+    assert xml.spectrum is not None
+    assert xml.spectrum[1].tolist() == [0.5, 1.0]
+
+
+def test_a_ray_file_that_is_none_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "lamp.tm25ray").write_bytes(b"TM25")
+    with pytest.raises(NocturneClientError, match="byte 4: the file ends; expected a head of 36288 bytes"):
+        _measure(tmp_path, tmp_path / "lamp.tm25ray", 0.01)

@@ -2,7 +2,7 @@
 
 Each reader works in a separate process with bounded memory, so that a crash of a library is seen. A try is
 identified by its number, from which `--first` makes the same file again. Ends with an error if any try
-failed.
+failed. One file, though long: a few lines for each reader.
 """
 
 import argparse
@@ -30,8 +30,9 @@ from nocturne_scene.formats.reading import crowds
 from nocturne_scene.formats.reading.crowds import MANY
 from nocturne_scene.meshes.headers import UnusableMeshError
 from nocturne_scene.meshes.placements import read_placements, write_placements
-from nocturne_scene.photometry import eulumdat, files, ies, tm33
+from nocturne_scene.photometry import eulumdat, far_field, files, ies, tm25, tm33
 from nocturne_scene.photometry.intensities import BadPhotometryError, Photometry, flux
+from nocturne_scene.photometry.tm25 import BadRayFileError, RayFile
 
 from tests.pictures import write_exr
 from tests.scene.formats.test_any_scene import CORPUS, WORDS, changed, try_import
@@ -216,6 +217,31 @@ def _luminaires(_: Path) -> list[Seed]:
     return [Seed("", name, {name: each}, words) for name, each in made.items() for words in (True, False)]
 
 
+def _rays(folder: Path) -> list[Seed]:
+    """A ray file with spectra and indices of them."""
+    places, towards = np.zeros((4, 3), np.float32), np.array([[0, 0, 1]] * 4, np.float32)
+    light = np.array([400.0, 700.0]), np.array([1.0, 0.5])
+    index = np.array([0, 1, 0, 1], np.int32)
+    tm25.write(
+        folder / "a.rays", RayFile(places, towards, np.ones(4, np.float32), None, None, [light, light], index)
+    )
+    content = (folder / "a.rays").read_bytes()
+    # The part that is spoilt has the numbers, and not the texts, which are most of it.
+    return [Seed("", "a.rays", {"a.rays": content[:288] + content[36288:]})]
+
+
+def _try_rays(file: Path, content: bytes) -> None:
+    file.write_bytes(content[:288] + bytes(36000) + content[288:])
+    try:
+        found = tm25.read(file)
+    except BadRayFileError:
+        return
+    assert np.isfinite(found.starts).all()
+    candela, error = far_field.candela_of(found, 4, 3)
+    assert np.isfinite(candela).all()
+    assert np.isfinite(error).all()
+
+
 def _try_luminaire(content: bytes) -> None:
     try:
         found = files.read(content)
@@ -240,6 +266,7 @@ READERS: dict[str, Callable[[Path], list[Seed]]] = {
     "packed": _packed,
     "placements": _placements,
     "luminaires": _luminaires,
+    "rays": _rays,
 }
 
 
@@ -305,6 +332,8 @@ def _work(sender: Connection, folder: Path, name: str, first: int, ends: float) 
                 _try_placements(folder / "spoilt.ply", contents[seed.part])
             elif name == "luminaires":
                 _try_luminaire(contents[seed.part])
+            elif name == "rays":
+                _try_rays(folder / "spoilt.rays", contents[seed.part])
             else:
                 try_import(seed.scene, contents, allow_missing=random_.random() < 0.5)
         except BaseException:  # whatever it is, it is told

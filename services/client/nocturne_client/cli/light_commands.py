@@ -57,7 +57,8 @@ def goniometer(
     """Measure a lamp in a scene as a goniophotometer does: a photometric file, and a table with the standard
     error of every angle.
 
-    The scene's sensor is an intensity meter, or --centre and --radius make one.
+    The scene's sensor is an intensity meter, or --centre and --radius make one. Of a ray file (IES TM-25),
+    with a name in .TM25RAY instead of SCENE, the far field is written.
     """
     from nocturne_client.local.goniometer import Goniometer, measure_lamp
 

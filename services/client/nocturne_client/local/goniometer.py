@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from nocturne_scene.photometry import far_field, tm25
 from nocturne_scene.photometry.meter_images import errors_of, flux_of
 
 from nocturne_client.console import ERRORS
@@ -18,12 +19,16 @@ from nocturne_client.local.render import LocalRender, render_scene
 from nocturne_client.outputs import check_output, written
 from nocturne_client.readings import CONFIDENCE, rounded
 
+RAY_FILE = ".tm25ray"
+"""How names of ray files end, in letters of either case."""
+
 
 @dataclass(frozen=True)
 class Goniometer:
     """What is measured, and where the files go."""
 
     scene: Path
+    """Or a ray file, of which the far field is taken."""
     outputs: Sequence[Path]
     """Photometric files, by their endings."""
     table: Path
@@ -39,12 +44,16 @@ class Goniometer:
 
 
 def measure_lamp(asked: Goniometer) -> None:
-    """Traces the scene's intensity meter, and writes the files. Raises NocturneClientError."""
+    """Traces the scene's intensity meter, or takes the rays of a file, and writes the files. Raises
+    NocturneClientError."""
     for path in asked.outputs:
         if path.suffix.lower() not in WRITERS:
             raise NocturneClientError(f"{path}: expected a name that ends in {', '.join(WRITERS)}")
     for path in (*asked.outputs, asked.table):
         check_output(path)
+    if asked.scene.suffix.lower() == RAY_FILE:
+        _write_files(asked, _of_rays(asked))
+        return
     _check_sensor(asked)
     with tempfile.TemporaryDirectory(prefix="nocturne-goniometer-") as folder:
         image = Path(folder) / "image.exr"
@@ -52,6 +61,31 @@ def measure_lamp(asked: Goniometer) -> None:
         render = LocalRender(asked.scene, [image], *film, asked.threads, asked.seed)
         render_scene(replace(render, stop=asked.stop, changes=asked.changes))
         found = read_meter_image(image)
+    _write_files(asked, found)
+
+
+def _of_rays(asked: Goniometer) -> MeterImage:
+    """The far field of a ray file. Raises NocturneClientError."""
+    try:
+        rays = tm25.read(asked.scene)
+        candela, error = far_field.candela_of(rays, asked.horizontal, asked.vertical)
+    except (tm25.BadRayFileError, ValueError) as problem:
+        raise NocturneClientError(f"{asked.scene}: {problem}") from problem
+    except OSError as problem:
+        raise NocturneClientError(f"{asked.scene}: {problem.strerror or problem}") from problem
+    keywords = {
+        "TEST": f"far field of {len(rays.starts)} rays",
+        "TESTLAB": "not said",
+        "ISSUEDATE": "not said",
+        "MANUFAC": rays.texts[1] or "not said",
+        "LUMINAIRE": rays.texts[0],
+        "OTHER": f"standard errors up to {error.max():.3g} cd",
+    }
+    known = {key: text for key, text in keywords.items() if text}
+    return MeterImage(candela, error, {}, known, far_field.spectrum_of(rays))
+
+
+def _write_files(asked: Goniometer, found: MeterImage) -> None:
     try:
         lamp = found.photometry()
         made = {path: WRITERS[path.suffix.lower()](lamp) for path in asked.outputs}

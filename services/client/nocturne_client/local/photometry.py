@@ -8,7 +8,7 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 from nocturne_scene.bands import is_band
 from nocturne_scene.photometry import eulumdat, ies, tm33
-from nocturne_scene.photometry.intensities import Photometry
+from nocturne_scene.photometry.intensities import Photometry, Spectrum
 from nocturne_scene.photometry.meter_images import photometry_of, spectrum_of
 from nocturne_scene.quantities import INTENSITY, quantity_named
 from nocturne_scene.spectra.published import Floats
@@ -35,10 +35,12 @@ class MeterImage:
     """By their names, W/sr nm."""
     keywords: Mapping[str, str]
     """Those that LM-63-2002, 5.2, asks for, and one more."""
+    spectrum: Spectrum | None = None
+    """Where no band tells it."""
 
     def photometry(self) -> Photometry:
         """Raises ValueError where a file can't hold as many angles."""
-        return photometry_of(self.candela, self.keywords, spectrum_of(self.bands))
+        return photometry_of(self.candela, self.keywords, spectrum_of(self.bands) or self.spectrum)
 
 
 def read_meter_image(image: Path) -> MeterImage:
