@@ -25,6 +25,11 @@ def is_band(name: str) -> bool:
     return _NAME.fullmatch(name) is not None
 
 
+def band_middle(name: str) -> float:
+    """Where the band of such a name has its middle, nm."""
+    return float(name.removeprefix("S0.").removesuffix("nm").replace(",", "."))
+
+
 def spectral_attributes(names: Iterable[str], quantity: Quantity) -> dict[str, str]:
     """What a file with bands says of itself. The layout leaves "per nanometre" out of its units."""
     if not any(is_band(name) for name in names):

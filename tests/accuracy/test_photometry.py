@@ -11,7 +11,7 @@ import numpy.typing as npt
 import pytest
 from nocturne_client.local.photometry import write_photometry
 from nocturne_scene.photometry import ies as photometric_files
-from nocturne_scene.photometry.ies import Photometry
+from nocturne_scene.photometry.intensities import Photometry, flux
 
 from tests.accuracy.agreement import sidak_bound
 from tests.accuracy.tracing import Document, trace
@@ -45,7 +45,7 @@ def test_round_trip(tmp_path: Path) -> None:
     assert written.lamp_lumens is None
     assert written.candela[1:-1, 1:-1] == pytest.approx(first.y.T)
     # cos and sin cos integrate to nothing.
-    assert photometric_files.flux(written) == pytest.approx(4 * np.pi * _CANDELA, rel=8e-3)
+    assert flux(written) == pytest.approx(4 * np.pi * _CANDELA, rel=8e-3)
     _check(_measured(tmp_path), _pixel_means(), 1.2e-2 * _CANDELA)
 
 

@@ -28,8 +28,10 @@ def lamp(draft: Draft, centre: Point, radius: float) -> Document:
     return {"shape": shape} | made
 
 
-def in_group(made: Document) -> Document:
-    """The lamp without a flux and without a file, which are of one surface and not of each instance."""
+def in_group(made: Document, *, still: bool) -> Document:
+    """The lamp; where instances move, without a flux and without a file, which are of one surface at rest."""
+    if still and "motion" not in made:
+        return made
     kept = dict(made["luminaire"])
     for name in ("lumens", "watts"):
         kept.pop(name, None)

@@ -243,7 +243,9 @@ def _instance(draft: Draft, place: Point, *, alone: bool) -> Document:
     """Of a new group; `alone`: the other places are free."""
     chance = draft.chance
     members = bodies_at(draft, [0.0, 0.0, 0.0], grouped=True)
-    name = draft.name("groups", [in_group(each) if "luminaire" in each else each for each in members])
+    still = chance.maybe(0.5)
+    lamps = [in_group(each, still=still) if "luminaire" in each else each for each in members]
+    name = draft.name("groups", lamps)
     made: Document = {"group": name}
     if alone and chance.maybe(0.5):
         return made | {"placements": {"asset": assets.PLACEMENTS}, "translate": [0.0, 0.55, -0.45]}
@@ -254,7 +256,7 @@ def _instance(draft: Draft, place: Point, *, alone: bool) -> Document:
         made["rotate"] = rotation(chance, 180.0)
     if chance.maybe(0.4):
         made["scale"] = chance.number(0.6, 0.8)
-        if chance.maybe(0.5):
+        if chance.maybe(0.5) and not still:
             made["motion"] = motion(draft, place, 0.05)
     return made
 

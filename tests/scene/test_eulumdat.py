@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from nocturne_scene.photometry import eulumdat, files, ies
-from nocturne_scene.photometry.ies import BadPhotometryError, Photometry
+from nocturne_scene.photometry.intensities import BadPhotometryError, Photometry, flux
 from numpy.typing import NDArray
 
 GAMMA = np.arange(0.0, 181.0, 5.0)
@@ -80,7 +80,7 @@ def test_an_even_lamps_flux_is_that_of_its_lamps() -> None:
     values = str(1000 / (4 * math.pi))
     lines = file(1, flux=3600).decode().split("\r\n")
     even = "\r\n".join([*lines[: -len(GAMMA)], *[values] * len(GAMMA)]).encode()
-    assert ies.flux(files.read(even)) == pytest.approx(3600, rel=1e-3)
+    assert flux(files.read(even)) == pytest.approx(3600, rel=1e-3)
 
 
 def test_what_else_is_said() -> None:
@@ -122,6 +122,7 @@ def changed(line: int, text: str, symmetry: int = 2) -> bytes:
         (changed(24, "bright"), 'line 24: expected the conversion factor, found "bright"'),
         (changed(26, "0"), "line 26: expected the number of sets of lamps, a whole number from 1"),
         (changed(45, "0"), "expected increasing angles C"),
+        (changed(46, "65536"), "expected increasing angles C within 0 and 360 degrees"),
         (changed(70, "500"), "expected increasing angles gamma"),
         (changed(120, "-1"), "an intensity is negative"),
         (changed(4, "3000").replace(b"\r\n37\r\n", b"\r\n3000\r\n"), "9000000|3000 x 3000 values"),
@@ -165,8 +166,8 @@ def test_what_is_written_is_read_again(symmetry: int, lumens: float | None) -> N
     assert again.opening == pytest.approx(lamp.opening)
     assert again.input_watts == 30.0
     stated = float(lines[28]) * float(lines[22]) / 100.0
-    assert stated == pytest.approx(ies.flux(lamp), rel=1e-12)
-    assert ies.flux(again) == pytest.approx(stated, rel=1e-12)
+    assert stated == pytest.approx(flux(lamp), rel=1e-12)
+    assert flux(again) == pytest.approx(stated, rel=1e-12)
 
 
 @given(power=st.floats(0.0, 8.0), lumens=st.floats(1.0, 1e6))
@@ -181,7 +182,7 @@ def test_cosine_lamps_have_their_flux_and_shine_down(power: float, lumens: float
     lines = eulumdat.write(lamp).decode().splitlines()
     assert float(lines[28]) == pytest.approx(true, rel=2e-3)
     assert float(lines[21]) == pytest.approx(100.0, abs=1e-6)
-    assert ies.flux(files.read("\n".join(lines).encode())) == pytest.approx(true, rel=2e-3)
+    assert flux(files.read("\n".join(lines).encode())) == pytest.approx(true, rel=2e-3)
 
 
 def test_a_dark_lamp_has_nothing_to_be_relative_to() -> None:

@@ -18,6 +18,7 @@ from nocturne_scene.compile.compiler import compile_scene
 from nocturne_scene.document.read import parse_document
 from nocturne_scene.errors import InputError
 from nocturne_scene.photometry import ies as photometric_files
+from nocturne_scene.photometry.intensities import Photometry, flux
 from nocturne_scene.spectra import sun
 from nocturne_scene.spectra.published import visible_wavelengths
 from nocturne_scene.textures import environment_maps
@@ -28,9 +29,7 @@ from .conftest import Compile, expect_problem
 def photometric(blobs: BlobStore) -> str:
     """A lamp with 100 cd straight down, 50 cd sideways, and 200 cd sideways at 90 degrees."""
     rows = np.array([[100.0, 50, 0], [100, 200, 0], [100, 50, 0], [100, 50, 0], [100, 50, 0]])
-    photometry = photometric_files.Photometry(
-        np.array([0.0, 90.0, 180.0]), np.array([0.0, 90.0, 180.0, 270.0, 360.0]), rows
-    )
+    photometry = Photometry(np.array([0.0, 90.0, 180.0]), np.array([0.0, 90.0, 180.0, 270.0, 360.0]), rows)
     return f"sha256:{blobs.put(photometric_files.write(photometry))}"
 
 
@@ -127,15 +126,6 @@ def test_a_photometric_file_gives_its_candelas(
     assert values.max() == 200
 
 
-def test_a_photometric_file_is_of_one_surface(document: dict[str, Any], blobs: BlobStore) -> None:
-    """The tracer would refuse the scene, without the place."""
-    lamp = document["surfaces"].pop(1)
-    lamp["luminaire"]["profile"] = {"asset": photometric(blobs)}
-    document |= {"groups": {"lamps": [lamp]}, "instances": [{"group": "lamps"}]}
-    place = "$.groups.lamps[0].luminaire.profile"
-    expect_problem(document, blobs, place, "instances show this one again")
-
-
 def test_a_photometric_file_can_be_scaled_to_a_flux_and_turns_with_its_surface(
     document: dict[str, Any], compiled: Compile, blobs: BlobStore
 ) -> None:
@@ -144,10 +134,8 @@ def test_a_photometric_file_can_be_scaled_to_a_flux_and_turns_with_its_surface(
     profile = compiled(document).luminaires[0].intensity
     assert (profile.axis.x, profile.axis.y, profile.axis.z) == pytest.approx((0, 0, -1))
     candela = np.array(profile.values).reshape(len(profile.horizontal), 3)
-    compiled_back = photometric_files.Photometry(
-        np.rad2deg(profile.vertical), np.rad2deg(profile.horizontal), candela
-    )
-    assert photometric_files.flux(compiled_back) == pytest.approx(1000, rel=1e-6)
+    compiled_back = Photometry(np.rad2deg(profile.vertical), np.rad2deg(profile.horizontal), candela)
+    assert flux(compiled_back) == pytest.approx(1000, rel=1e-6)
 
 
 def test_the_sun_lights_the_ground_as_measured_above_the_atmosphere(

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from nocturne_scene.photometry import ies as photometric_files
-from nocturne_scene.photometry.ies import BadPhotometryError, Photometry
+from nocturne_scene.photometry.intensities import BadPhotometryError, Photometry, flux, scaled
 
 
 def file(
@@ -110,14 +110,14 @@ def test_a_tilt_table_is_read_past() -> None:
 def test_flux_of_distributions_with_an_answer_on_paper() -> None:
     vertical = np.linspace(0, 180, 181)
     even = Photometry(vertical, np.zeros(1), np.ones((1, 181)))
-    assert photometric_files.flux(even) == pytest.approx(4 * np.pi)
+    assert flux(even) == pytest.approx(4 * np.pi)
     around = Photometry(vertical, np.array([0.0, 90.0, 360.0]), np.ones((3, 181)))
-    assert photometric_files.flux(around) == pytest.approx(4 * np.pi)
+    assert flux(around) == pytest.approx(4 * np.pi)
     # Lambert: pi. Straight lines between degrees are wrong by (pi / 180)^2 / 12.
     cosine = np.maximum(np.cos(np.deg2rad(vertical)), 0)[None]
-    assert photometric_files.flux(Photometry(vertical, np.zeros(1), cosine)) == pytest.approx(np.pi, rel=3e-5)
-    half = photometric_files.scaled(even, 0.5)
-    assert photometric_files.flux(half) == pytest.approx(2 * np.pi)
+    assert flux(Photometry(vertical, np.zeros(1), cosine)) == pytest.approx(np.pi, rel=3e-5)
+    half = scaled(even, 0.5)
+    assert flux(half) == pytest.approx(2 * np.pi)
 
 
 @st.composite
@@ -166,8 +166,12 @@ def test_spoiled_files_give_results_or_errors_with_a_line(noise: bytes, at: int)
     ("data", "message"),
     [
         (b"", "line 1: there is no line TILT="),
-        (file("0", "1 1 1", kind=2), "line 5: photometry of type B; only type C"),
-        (file("0", "1 1 1", kind=3), "line 5: photometry of type A; only type C"),
+        (file("0", "1 1 1", kind=2), "line 9: 3 vertical angles, horizontal ones from 0 to 0 degrees; "),
+        (
+            file("-90 -9", "1 1 1 1 1 1", kind=3),
+            "expected of type A two or more, and horizontal ones from -90",
+        ),
+        (file("-91 90", "1 1 1 1 1 1", kind=3), "expected increasing angles within -90 and 90 degrees"),
         (file("0", "1 1"), "line 9: the file ends before a candela value"),
         (file("0", "1 x 1"), 'line 9: expected a candela value, found "x"'),
         (file("0", "1 -1 1"), "negative"),

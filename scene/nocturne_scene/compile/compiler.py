@@ -100,7 +100,7 @@ def _message(workspace: Workspace, film: Film | None) -> tuple[scene_pb2.Compile
     for index, (surface, group, place) in enumerate(_all_surfaces(workspace, instances)):
         message.surfaces.append(surfaces.compile(surface, group, place))
         workspace.objects.append(surface.name or place)
-        luminaire = lights.luminaire(surface, index, place, in_group=group > 0)
+        luminaire = lights.luminaire(surface, index, place)
         if luminaire is not None:
             message.luminaires.append(luminaire)
         if workspace.has_too_many_problems:
@@ -214,6 +214,14 @@ def _all_surfaces(workspace: Workspace, instances: Instances) -> Iterator[tuple[
             yield surface, 0, place
         else:
             workspace.dropped.append(f"{place}: all light passes it, and it emits none")
+    for lamps, (surface, place) in enumerate(instances.lamps(), start=1):
+        if lamps > bounds.SURFACES:
+            told = f"shows more than {bounds.SURFACES} lamps with a photometric file, lumens or watts"
+            workspace.problems.append(Problem("$.instances", told))
+            break
+        # Once for all of its places.
+        if not any(problem.place.startswith(f"{place}.") for problem in workspace.problems):
+            yield surface, 0, place
     yield from instances.surfaces()
 
 

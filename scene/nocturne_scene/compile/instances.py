@@ -6,15 +6,17 @@ from functools import lru_cache
 import numpy as np
 from nocturne.v1 import scene_pb2
 
-from nocturne_scene.compile.placement import placements_of
+from nocturne_scene.compile.placement import placement_of, placements_of
 from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document import bounds
+from nocturne_scene.document.luminaires import PhotometricProfile
+from nocturne_scene.document.placement import Rotation
 from nocturne_scene.document.problems import path
 from nocturne_scene.document.surfaces import Instance, Surface
 from nocturne_scene.errors import Problem
 from nocturne_scene.meshes.headers import UnusableMeshError
 from nocturne_scene.meshes.placements import Numbers, Placements
-from nocturne_scene.meshes.similarity import Similarity
+from nocturne_scene.meshes.similarity import IDENTITY, Similarity
 
 _Steps = list[Similarity]
 # Placements of a file that are flattened together.
@@ -32,15 +34,23 @@ class Instances:
         self._placed: dict[int, _Steps] = {}
         for name in self._reached():
             workspace.use("groups", name)
-            if any(isinstance(member, Surface) for member in self._groups[name]):
+            if any(_is_shared(member) for member in self._groups[name]):
                 self._numbers[name] = len(self._numbers) + 1
 
     def surfaces(self) -> Iterator[tuple[Surface, int, str]]:
         """Yield the surfaces of all groups that are used, with the group's number and the surface's place."""
         for name, number in self._numbers.items():
             for index, member in enumerate(self._groups[name]):
-                if isinstance(member, Surface):
+                if isinstance(member, Surface) and _is_shared(member):
                     yield member, number, path(("groups", name, index))
+
+    def lamps(self) -> Iterator[tuple[Surface, str]]:
+        """Yield the surfaces of groups whose light is told of one lamp, once for each place where an instance
+        shows them, with their places in the document."""
+        if not any(_is_lamp(member) for name in self._reached() for member in self._groups[name]):
+            return
+        for index, instance in enumerate(self._workspace.document.instances):
+            yield from self._lamps_shown(instance, [IDENTITY], path(("instances", index)))
 
     def flattened(self) -> Iterator[scene_pb2.Instance]:
         """Yield all instances; notes a problem instead if there are too many."""
@@ -100,6 +110,26 @@ class Instances:
             else:
                 yield from self._from_file(instance.group, steps, self._file(instance.placements.asset))
 
+    def _lamps_shown(self, instance: Instance, around: _Steps, place: str) -> Iterator[tuple[Surface, str]]:
+        with self._workspace.problems_at(place):
+            steps = _combined(around, self._placements(instance))
+            placed = None if instance.placements is None else self._file(instance.placements.asset)
+            for inner in [steps] if placed is None else _each(steps, placed):
+                yield from self._lamps_of(instance.group, inner)
+
+    def _lamps_of(self, name: str, steps: _Steps) -> Iterator[tuple[Surface, str]]:
+        for index, member in enumerate(self._groups[name]):
+            place = path(("groups", name, index))
+            if isinstance(member, Instance):
+                yield from self._lamps_shown(member, steps, place)
+            elif _is_lamp(member):
+                if len(steps) > 1 or member.motion is not None:
+                    raise Unusable(
+                        "moves, and shows a lamp with a photometric file, lumens or watts; expected one at "
+                        "rest, or a radiance"
+                    )
+                yield _placed(member, steps[0]), place
+
     def _file(self, asset: str) -> Placements:
         try:
             return self._workspace.placements(asset)
@@ -130,6 +160,40 @@ class Instances:
                 for scale, rotation, shift in zip(scales, rotations, shifts, strict=True):
                     own = Similarity(float(scale), rotation, shift)
                     yield from self._inside(name, [step.after(own) for step in around])
+
+
+def _is_lamp(member: Surface | Instance) -> bool:
+    """Whether its light is told of one surface, of a certain size and direction: instances show it as
+    surfaces of their own, so that each of them emits it."""
+    if not isinstance(member, Surface) or member.luminaire is None:
+        return False
+    light = member.luminaire
+    return (
+        isinstance(light.profile, PhotometricProfile) or light.lumens is not None or light.watts is not None
+    )
+
+
+def _is_shared(member: Surface | Instance) -> bool:
+    return isinstance(member, Surface) and not _is_lamp(member)
+
+
+def _each(around: _Steps, placed: Placements) -> Iterator[_Steps]:
+    for scale, rotation, shift in zip(placed.scales, placed.rotations, placed.shifts, strict=True):
+        own = Similarity(float(scale), rotation, shift)
+        yield [step.after(own) for step in around]
+
+
+def _placed(surface: Surface, at: Similarity) -> Surface:
+    """The same where an instance shows it."""
+    # So that scenes without lamps in groups do without it.
+    from scipy.spatial.transform import Rotation as Turns
+
+    whole = at.after(placement_of(surface))
+    turn = Turns.from_matrix(whole.rotation).as_rotvec(degrees=True)
+    degrees = float(np.linalg.norm(turn))
+    rotate = Rotation(axis=tuple(turn / degrees), degrees=degrees) if degrees > 0 else None
+    update = {"scale": whole.scale, "rotate": rotate, "translate": tuple(whole.shift.tolist())}
+    return surface.model_copy(update=update)
 
 
 def _combined(outer: _Steps, inner: _Steps) -> _Steps:

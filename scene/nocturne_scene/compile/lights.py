@@ -8,7 +8,7 @@ from nocturne.v1 import scene_pb2
 
 from nocturne_scene.compile import spectra
 from nocturne_scene.compile.environment import compile_map, compile_sky
-from nocturne_scene.compile.photometry import compile_profile, flux_behind
+from nocturne_scene.compile.photometry import compile_profile, flux_behind, spectrum_of
 from nocturne_scene.compile.placement import placement_of
 from nocturne_scene.compile.sensors import unit, vector
 from nocturne_scene.compile.shapes import Shapes, put_shape
@@ -56,20 +56,17 @@ class Lights:
         self._textures = textures
         self._shapes = shapes
 
-    def luminaire(
-        self, surface: Surface, index: int, place: str, *, in_group: bool
-    ) -> scene_pb2.Luminaire | None:
+    def luminaire(self, surface: Surface, index: int, place: str) -> scene_pb2.Luminaire | None:
         """Return the luminaire of surface number `index`; None if it has none, or one that emits nothing."""
         luminaire = surface.luminaire
         if luminaire is None:
             return None
         message = scene_pb2.Luminaire(surface=index, two_sided=luminaire.two_sided)
         with self._workspace.problems_at(f"{place}.luminaire"):
-            amount = self._amount(surface, luminaire, in_group=in_group)
-            colour = self._textures.radiance(
-                luminaire.radiance, ".radiance", amount=amount, part=luminaire.part_emitted
-            )
-            self._report_lines(luminaire.radiance, f"{place}.luminaire.radiance")
+            amount = self._amount(surface, luminaire)
+            radiance, at = self._radiance(luminaire)
+            colour = self._textures.radiance(radiance, at, amount=amount, part=luminaire.part_emitted)
+            self._report_lines(radiance, f"{place}.luminaire{at}")
             if colour is None:
                 self._workspace.dropped.append(f"{place}.luminaire: emits no {self._workspace.light}")
                 return None
@@ -77,10 +74,17 @@ class Lights:
                 self._photons_cant_start()
             message.radiance.CopyFrom(colour)
             message.hidden_from = self._hidden_from(luminaire.hidden_from)
-            self._put_profile(message, surface, luminaire, in_group=in_group)
+            self._put_profile(message, surface, luminaire)
             self._tell_of_lost_light(message, surface, place)
             return message
         return None
+
+    def _radiance(self, luminaire: Luminaire) -> tuple[Reference | ColourTexture, str]:
+        """And where it is told: a photometric file's where the document leaves it out."""
+        if luminaire.radiance is not None:
+            return luminaire.radiance, ".radiance"
+        assert isinstance(luminaire.profile, PhotometricProfile)  # noqa: S101 - the document was checked
+        return spectrum_of(self._workspace, luminaire.profile), ".profile.asset"
 
     def _photons_cant_start(self) -> None:
         direction = self._workspace.document.tracing.direction
@@ -93,7 +97,7 @@ class Lights:
         self._workspace.photons_can_start = False
 
     def _amount(
-        self, surface: Surface, luminaire: Luminaire, *, in_group: bool
+        self, surface: Surface, luminaire: Luminaire
     ) -> Callable[[scene_pb2.Spectrum], scene_pb2.Spectrum] | None:
         """What gives a luminaire's spectrum the radiance at normal incidence that its flux or exitance comes
         to; None: its radiance says it."""
@@ -108,12 +112,6 @@ class Lights:
         flux = luminaire.lumens or luminaire.watts
         if flux is None:
             return None
-        if in_group:
-            raise Unusable(
-                "is the flux of one surface, and instances show this one again, perhaps larger; give its "
-                "exitance or its radiance",
-                ".lumens" if luminaire.lumens else ".watts",
-            )
         area = self._shapes.area(surface.shape) * surface.scale**2 * (2 if luminaire.two_sided else 1)
         per_unit = flux / (factor * area)
         if luminaire.watts is None:
@@ -124,19 +122,11 @@ class Lights:
         ones = np.ones(len(within.grid()))
         return _of_luminance(lambda spectrum: per_unit / float(spectra.integral(spectrum, ones)))
 
-    def _put_profile(
-        self, message: scene_pb2.Luminaire, surface: Surface, luminaire: Luminaire, *, in_group: bool
-    ) -> None:
+    def _put_profile(self, message: scene_pb2.Luminaire, surface: Surface, luminaire: Luminaire) -> None:
         match luminaire.profile:
             case CosineProfile() as profile:
                 message.cosine_power = profile.cosine_power
             case PhotometricProfile() as profile:
-                if in_group:
-                    raise Unusable(
-                        "a photometric file is of one surface, and instances show this one again; expected a "
-                        '"cosine_power", or the surface in $.surfaces',
-                        ".profile",
-                    )
                 if message.radiance.HasField("texture"):
                     raise Unusable("can't have a texture together with a photometric file", ".radiance")
                 if not (isinstance(surface.shape, Sphere) or self._shapes.is_flat(surface.shape)):
@@ -150,8 +140,10 @@ class Lights:
                 zero = placement.turned(np.array(profile.zero))
                 zero = unit(zero - (zero @ axis) * axis)
                 message.intensity.CopyFrom(compile_profile(self._workspace, profile))
-                message.intensity.axis.CopyFrom(vector(axis))
-                message.intensity.zero.CopyFrom(vector(zero))
+                # Straight down, plane C0, and to the right of that.
+                frame = np.column_stack([axis, zero, np.cross(axis, zero)])
+                for told in (message.intensity.axis, message.intensity.zero):
+                    told.CopyFrom(vector(frame @ np.array([told.x, told.y, told.z])))
 
     def _tell_of_lost_light(self, message: scene_pb2.Luminaire, surface: Surface, place: str) -> None:
         """Warn of a file's light on the side of a flat lamp that does not emit."""
@@ -161,11 +153,14 @@ class Lights:
         normal = area_vectors(placement_of(surface).points(mesh.vertices[mesh.indices])).sum(axis=0)
         lost, total = flux_behind(message.intensity, normal)
         if lost > _LOST * total:
-            self._workspace.warnings.append(
+            told = (
                 f"{place}.luminaire.profile: of the file's {total:.4g} lm, {lost:.4g} lm go to the back of "
                 "the surface, which does not emit, and are lost; turn its normal or the profile's axis, or "
                 "set two_sided"
             )
+            # Once for all places where instances show it.
+            if told not in self._workspace.warnings:
+                self._workspace.warnings.append(told)
 
     def environment(self) -> scene_pb2.Environment | None:
         """Return the environment; None if there is none, or if it is black."""

@@ -118,7 +118,7 @@ def _spectrum_of(value: Reference | ColourTexture, place: str) -> tuple[Referenc
 
 def _luminaire_problems(document: SceneDocument, surface: Surface, place: str) -> Iterator[Problem]:
     luminaire = surface.luminaire
-    if luminaire is None:
+    if luminaire is None or luminaire.radiance is None:
         return
     used, at = _spectrum_of(luminaire.radiance, f"{place}.luminaire.radiance")
     relative = isinstance(luminaire.profile, PhotometricProfile) or luminaire.has_amount

@@ -21,11 +21,13 @@ class CosineProfile(Node):
 
 
 class PhotometricProfile(Node):
-    """The intensity that a photometric file gives, IES LM-63 (type C) or EULUMDAT, spread over the surface.
+    """The intensity that a photometric file gives, spread over the surface: IES LM-63 (types A, B and C),
+    EULUMDAT, ANSI/IES TM-33, UNI 11733 or ATLA S001.
 
     Of the luminaire's `radiance` only the spectrum's shape counts then: the candelas are the file's. The
-    surface's shape is a quad, a disc, a flat mesh or a sphere, and it stands in no group. What the file says
-    of the directions behind a flat one is lost without `two_sided`, and a warning says how much that is.
+    surface's shape is a quad, a disc, a flat mesh or a sphere. What the file says of the directions behind a
+    flat one is lost without `two_sided`, and a warning says how much that is. In a group, each instance shows
+    a lamp of its own with all of the file's light; it can't move.
     """
 
     asset: AssetReference = Field(
@@ -80,12 +82,15 @@ HiddenFrom = Annotated[
 class Luminaire(Node):
     """What makes a surface emit light."""
 
-    radiance: ColourReference = Field(
+    radiance: ColourReference | None = Field(
+        default=None,
         description="Spectral radiance, W m⁻² sr⁻¹ nm⁻¹; with `lumens`, `watts` or `exitance` only the "
-        "spectrum's shape counts."
+        "spectrum's shape counts. Default: the spectrum of the profile's file, if that has one.",
     )
     lumens: Annotated[Finite, Field(gt=0, le=bounds.LUMINANCE)] | None = Field(
-        default=None, description="Luminous flux of the whole surface, of both sides if both emit, lm."
+        default=None,
+        description="Luminous flux of the whole surface, of both sides if both emit, lm. In a group, of each "
+        "place where an instance shows it, however large it is there.",
     )
     watts: Annotated[Finite, Field(gt=0, le=bounds.LUMINANCE)] | None = Field(
         default=None,
@@ -130,6 +135,8 @@ class Luminaire(Node):
             raise problem_at(
                 f".{given[1]}", f"expected one of lumens, watts and exitance, found {' and '.join(given)}"
             )
+        if self.radiance is None and not isinstance(self.profile, PhotometricProfile):
+            raise problem_at(".radiance", "missing; only a photometric file may have a spectrum instead")
         if given and isinstance(self.profile, PhotometricProfile):
             raise problem_at(
                 f".{given[0]}", "a photometric file says how much light there is; scale it by profile.lumens"

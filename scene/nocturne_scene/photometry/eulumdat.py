@@ -9,13 +9,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from nocturne_scene.photometry.ies import (
+from nocturne_scene.photometry.intensities import (
     MAX_ANGLES,
     MAX_VALUES,
     BadPhotometryError,
     Photometry,
     all_around,
     flux,
+    need_type_c,
     number_text,
 )
 from nocturne_scene.spectra.published import Floats
@@ -79,8 +80,9 @@ def read(lines: Sequence[str]) -> Photometry:
 def write(photometry: Photometry) -> bytes:
     """Write a file with the least planes that its symmetry needs; absolute photometry, with a negative number
     of lamps, without `lamp_lumens`. Direct ratios, of a method of planning by hand, are 0. Raises ValueError
-    where there is no light to be relative to.
+    where there is no light to be relative to, and for what is not of type C.
     """
+    need_type_c(photometry)
     total = flux(photometry)
     lumens = total if photometry.lamp_lumens is None else photometry.lamp_lumens
     if not lumens > 0:
@@ -169,8 +171,8 @@ def _stored(planes: Floats, symmetry: int, line: int) -> Floats:
     around = np.append(planes, planes + 360)
     first = {_TO_C90: 3 * count // 4}.get(symmetry, 0)
     found = around[first : first + _stored_count(symmetry, count)]
-    if np.any(np.diff(found) <= 0):
-        raise BadPhotometryError(line, "expected increasing angles C")
+    if np.any(np.diff(found) <= 0) or not 0 <= planes.min() <= planes.max() <= 360:
+        raise BadPhotometryError(line, "expected increasing angles C within 0 and 360 degrees")
     return found
 
 

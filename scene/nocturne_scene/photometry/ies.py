@@ -1,68 +1,45 @@
-"""Photometric files: ANSI/IESNA LM-63 of 1986, 1991, 1995, 2002 and 2019, type C, read and written.
+"""Photometric files: ANSI/IESNA LM-63 of 1986, 1991, 1995, 2002 and 2019, read; type C written.
 
 Letters of first lines and of TILT= count in either case, with or without blanks between their parts, as
 programs write them. Numbers follow in the order of LM-63-2002, section 5; words may be split over lines
 anywhere. Luminous intensity is in cd over a vertical angle from straight down (the axis, 0 to 180 degrees)
-and a horizontal angle about it.
+and a horizontal angle about it; types A and B have another axis (types_a_and_b.py).
 """
 
 import io
 import math
 import re
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator
+from typing import Literal
 
 import numpy as np
 
+from nocturne_scene.photometry.intensities import (
+    ANGLE_ERROR,
+    LARGEST,
+    MAX_ANGLES,
+    MAX_VALUES,
+    BadPhotometryError,
+    Photometry,
+    all_around,
+    need_type_c,
+    number_text,
+)
+from nocturne_scene.photometry.types_a_and_b import about_an_axis
 from nocturne_scene.spectra.published import Floats
 from nocturne_scene.texts import text_of
 
 # A file with 1 degree in both directions has 181 x 361 values of some 8 bytes.
 MAX_BYTES = 16 * 2**20
-MAX_VALUES = 2**20
-# Angles of one kind: a tenth of a degree all around.
-MAX_ANGLES = 3601
 _MAX_LINE = 64 * 2**10
 _MAX_KEYWORDS = 1000
-
-# cd. Beyond any lamp; squares stay finite in float32.
-_LARGEST = 1e18
-
-# Degrees. Files round their angles to hundredths.
-_ANGLE_ERROR = 0.01
 
 # The first line since 1991; before, there was none, and some programs write one all the same.
 _VERSIONS = ("IESNA91", "IESNA:LM-63-1995", "IESNA:LM-63-2002", "IES:LM-63-2019")
 _VERSION = re.compile(r"IES(?:NA)?:?(?:LM-?63-?)?((?:19|20)?\d\d)")
 _YEARS = {"86": 1986, "91": 1991, "95": 1995, "02": 2002, "19": 2019}
+_TYPES: tuple[Literal["C", "B", "A"], ...] = ("C", "B", "A")
 _TILT = re.compile(r"TILT\s*=\s*(.*)", re.IGNORECASE)
-
-
-class BadPhotometryError(Exception):
-    """The file can't be used; the message says in which line, and why."""
-
-    def __init__(self, line: int, message: str) -> None:
-        super().__init__(f"line {line}: {message}")
-        self.line = line
-
-
-@dataclass(frozen=True)
-class Photometry:
-    """Intensity over directions."""
-
-    # Degrees, increasing. `vertical` within [0, 180]. `horizontal` from 0 to 360 or, the same all around,
-    # only 0.
-    vertical: Floats
-    horizontal: Floats
-    # cd, shape (len(horizontal), len(vertical)), with ballast factors and multiplier in it.
-    candela: Floats
-    # Of all lamps together, lm; None for absolute photometry.
-    lamp_lumens: float | None = None
-    # Luminous opening in metres: width across, length along horizontal angle 0, height; negative: round.
-    opening: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    input_watts: float = 0.0
-    # As in the file, such as {"MANUFAC": "..."}; without brackets.
-    keywords: Mapping[str, str] = field(default_factory=dict)
 
 
 def lines_of(data: bytes) -> list[str]:
@@ -93,7 +70,9 @@ def read(data: bytes) -> Photometry:
 
 
 def write(photometry: Photometry) -> bytes:
-    """Write a file of LM-63-2002, absolute photometry without `lamp_lumens`. Read back, it is equal."""
+    """Write a file of LM-63-2002, absolute photometry without `lamp_lumens`. Read back, it is equal. Raises
+    ValueError for what is not of type C."""
+    need_type_c(photometry)
     lines = ["IESNA:LM-63-2002"]
     lines += [f"[{key}] {_one_line(value)}" for key, value in photometry.keywords.items()]
     lines.append("TILT=NONE")
@@ -108,37 +87,6 @@ def write(photometry: Photometry) -> bytes:
         # LM-63 limits lines to 256 characters.
         lines += [" ".join(numbers[i : i + 10]) for i in range(0, len(numbers), 10)]
     return ("\r\n".join(lines) + "\r\n").encode("latin-1", "replace")
-
-
-def flux(photometry: Photometry) -> float:
-    """Total luminous flux in lm: the integral over the sphere of the intensity, linear between the angles."""
-    theta = np.deg2rad(photometry.vertical)
-    if len(theta) < 2:
-        return 0.0
-    weights = _sine_weights(theta)
-    if len(photometry.horizontal) == 1:
-        return float(2 * np.pi * photometry.candela[0] @ weights)
-    around = np.trapezoid(photometry.candela, np.deg2rad(photometry.horizontal), axis=0)
-    return float(around @ weights)
-
-
-def scaled(photometry: Photometry, factor: float) -> Photometry:
-    """The same distribution, so many times as bright."""
-    lumens = None if photometry.lamp_lumens is None else photometry.lamp_lumens * factor
-    return replace(photometry, candela=photometry.candela * factor, lamp_lumens=lumens)
-
-
-def _sine_weights(theta: Floats) -> Floats:
-    """Weights that integrate a function that is linear between angles against sin(theta), exactly."""
-    a, b = theta[:-1], theta[1:]
-    width = b - a
-    # Integrals of sin, and of (theta - a) / width times sin.
-    whole = np.cos(a) - np.cos(b)
-    rising = (np.sin(b) - np.sin(a)) / width - np.cos(b)
-    weights = np.zeros(len(theta))
-    weights[1:] += rising
-    weights[:-1] += whole - rising
-    return weights
 
 
 def _year(text: str, line: int) -> int:
@@ -194,7 +142,7 @@ class _Words:
             value = float(word)
         except ValueError:
             value = math.nan
-        if not abs(value) <= _LARGEST:
+        if not abs(value) <= LARGEST:
             raise BadPhotometryError(self.line, f'expected {what}, found "{word[:40]}"')
         return value
 
@@ -238,101 +186,50 @@ def _body(words: _Words, keywords: dict[str, str], *, has_ballast_lamp_factor: b
         raise BadPhotometryError(
             words.line, f"{verticals} x {horizontals} values; at most {MAX_VALUES} are accepted"
         )
-    kind = words.count("the photometric type", 3)
-    if kind != 1:
-        raise BadPhotometryError(
-            words.line, f"photometry of type {'CBA'[kind - 1]}; only type C is supported"
-        )
+    kind = _TYPES[words.count("the photometric type", 3) - 1]
     unit = 0.3048 if words.count("the units", 2) == 1 else 1.0
     width, length, height = (unit * words.number("a size of the luminous opening") for _ in range(3))
     ballast, ballast_lamp, watts = (words.number("ballast factors or input watts") for _ in range(3))
     factor = multiplier * ballast * (ballast_lamp if has_ballast_lamp_factor else 1.0)
-    vertical = _angles(words, verticals, "a vertical angle", 180.0)
-    horizontal = _angles(words, horizontals, "a horizontal angle", 360.0)
+    least, most = ((0.0, 0.0), (180.0, 360.0)) if kind == "C" else ((-90.0, -90.0), (90.0, 90.0))
+    vertical = _angles(words, verticals, "a vertical angle", least[0], most[0])
+    horizontal = _angles(words, horizontals, "a horizontal angle", least[1], most[1])
     candela = factor * words.numbers(verticals * horizontals, "a candela value").reshape(
         horizontals, verticals
     )
-    if np.any(candela < 0) or not np.all(candela <= _LARGEST):
+    if np.any(candela < 0) or not np.all(candela <= LARGEST):
         raise BadPhotometryError(words.line, "a candela value is negative or too large")
-    horizontal, candela = all_around(words.line, horizontal, candela)
     total = None if lumens < 0 else lamps * lumens
-    return Photometry(vertical, horizontal, candela, total, (width, length, height), watts, keywords)
+    opening = width, length, height
+    if kind == "C":
+        horizontal, candela = all_around(words.line, horizontal, candela)
+        return Photometry(vertical, horizontal, candela, total, opening, watts, keywords)
+    if len(vertical) < 2 or not (horizontal[0] <= 0 < horizontal[-1]):
+        raise BadPhotometryError(
+            words.line,
+            f"{len(vertical)} vertical angles, horizontal ones from {horizontal[0]:g} to {horizontal[-1]:g} "
+            f"degrees; expected of type {kind} two or more, and horizontal ones from -90 or 0 to 90",
+        )
+    found = about_an_axis(kind, vertical, horizontal, candela)
+    table = found.vertical, found.horizontal, found.candela
+    return Photometry(*table, total, opening, watts, keywords, found.axis, found.zero)
 
 
-def _angles(words: _Words, count: int, what: str, largest: float) -> Floats:
-    """Increasing angles in degrees, in [0, largest]."""
+def _angles(words: _Words, count: int, what: str, smallest: float, largest: float) -> Floats:
+    """Increasing angles in degrees, in [smallest, largest]."""
     angles = np.empty(count)
-    before = -1.0
+    before = smallest - 1.0
     for index in range(count):
         angle = words.number(what)
-        if not 0 <= angle <= largest + _ANGLE_ERROR or angle <= before:
+        if not smallest <= angle <= largest + ANGLE_ERROR or angle <= before:
             raise BadPhotometryError(
                 words.line,
-                f"{what} is {angle:g}; expected increasing angles within 0 and {largest:g} degrees",
+                f"{what} is {angle:g}; expected increasing angles within {smallest:g} and {largest:g} "
+                "degrees",
             )
         angles[index] = before = min(angle, largest)
     return angles
 
 
-def all_around(line: int, horizontal: Floats, candela: Floats) -> tuple[Floats, Floats]:
-    """Mirror a quadrant or a half, so that horizontal angles reach from 0 to 360 degrees."""
-    first, last = horizontal[0], horizontal[-1]
-    if len(horizontal) == 1:
-        return np.zeros(1), candela
-    if _near(first, 0) and _near(last, 90):
-        horizontal, candela = _mirrored(horizontal, candela, 180.0)
-        last = 180.0
-    elif _near(first, 90) and _near(last, 270):
-        # Symmetric about the plane of 90 and 270 degrees.
-        behind = horizontal <= 180
-        mirrored = np.append(180 - horizontal[behind][::-1], 540 - horizontal[~behind][::-1])
-        order = np.argsort(np.append(mirrored, horizontal), kind="stable")
-        turned = np.concatenate([candela[behind][::-1], candela[~behind][::-1], candela])[order]
-        return _closed(np.append(mirrored, horizontal)[order], turned)
-    if _near(first, 0) and _near(last, 180):
-        return _closed(*_mirrored(horizontal, candela, 360.0))
-    if _near(first, 0) and last > 180:
-        return _closed(horizontal, candela)
-    raise BadPhotometryError(
-        line,
-        f"horizontal angles from {first:g} to {last:g} degrees; "
-        "expected 0 alone, 0 to 90, 0 to 180, 90 to 270 or 0 to 360",
-    )
-
-
-def _near(angle: float, wanted: float) -> bool:
-    return abs(angle - wanted) <= _ANGLE_ERROR
-
-
-def _mirrored(angles: Floats, rows: Floats, at: float) -> tuple[Floats, Floats]:
-    """Append what the mirror at half of `at` shows."""
-    exact = np.append(angles[:-1], at / 2)
-    return np.append(exact, at - exact[-2::-1]), np.concatenate([rows, rows[-2::-1]])
-
-
-def _closed(angles: Floats, rows: Floats) -> tuple[Floats, Floats]:
-    """Drop repeated angles; begin at 0 and end at 360 degrees with the same row where one of them is not
-    there.
-    """
-    keep = np.append(True, np.diff(angles) > 0)
-    angles, rows = angles[keep], rows[keep]
-    if angles[0] > 0:
-        before = angles[-1] - 360
-        share = -before / (angles[0] - before)
-        angles, rows = (
-            np.append(0.0, angles),
-            np.concatenate([(1 - share) * rows[-1:] + share * rows[:1], rows]),
-        )
-    if _near(angles[-1], 360):
-        return np.append(angles[:-1], 360.0), rows
-    return np.append(angles, 360.0), np.concatenate([rows, rows[:1]])
-
-
 def _one_line(value: str) -> str:
     return value.replace("\r", " ").replace("\n", "\r\n[MORE] ")
-
-
-def number_text(value: float) -> str:
-    """The shortest text that reads back as the same number."""
-    text = repr(float(value))
-    return text[:-2] if text.endswith(".0") else text

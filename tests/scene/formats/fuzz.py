@@ -2,7 +2,7 @@
 
 Each reader works in a separate process with bounded memory, so that a crash of a library is seen. A try is
 identified by its number, from which `--first` makes the same file again. Ends with an error if any try
-failed.
+failed. One file, though long: a few lines for each reader.
 """
 
 import argparse
@@ -30,6 +30,9 @@ from nocturne_scene.formats.reading import crowds
 from nocturne_scene.formats.reading.crowds import MANY
 from nocturne_scene.meshes.headers import UnusableMeshError
 from nocturne_scene.meshes.placements import read_placements, write_placements
+from nocturne_scene.photometry import eulumdat, far_field, files, ies, tm25, tm33
+from nocturne_scene.photometry.intensities import BadPhotometryError, Photometry, flux
+from nocturne_scene.photometry.tm25 import BadRayFileError, RayFile
 
 from tests.pictures import write_exr
 from tests.scene.formats.test_any_scene import CORPUS, WORDS, changed, try_import
@@ -193,6 +196,63 @@ def _try_placements(file: Path, content: bytes) -> None:
     np.testing.assert_allclose(np.linalg.det(found.rotations), 1.0, rtol=1e-6)
 
 
+def _luminaires(_: Path) -> list[Seed]:
+    """Photometric files of each kind."""
+    vertical, horizontal = np.array([0.0, 45.0, 90.0, 180.0]), np.array([0.0, 90.0, 180.0, 270.0, 360.0])
+    candela = np.random.default_rng(1).uniform(1.0, 100.0, (5, 4))
+    candela[-1] = candela[0]
+    light = np.array([400.0, 500.0, 700.0]), np.array([0.5, 1.0, 0.2])
+    lamp = Photometry(
+        vertical, horizontal, candela, None, (0.1, 0.2, 0.0), 5.0, {"TEST": "1"}, spectrum=light
+    )
+    type_b = (
+        b"IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 3 3 2 2 0 0 0\n1 1 1\n-90 0 90\n-90 0 90\n1 2 3 4 5 6 7 8 9\n"
+    )
+    made = {
+        "c.ies": ies.write(lamp),
+        "b.ies": type_b,
+        "a.ldt": eulumdat.write(lamp),
+        "a.xml": tm33.write(lamp),
+    }
+    return [Seed("", name, {name: each}, words) for name, each in made.items() for words in (True, False)]
+
+
+def _rays(folder: Path) -> list[Seed]:
+    """A ray file with spectra and indices of them."""
+    places, towards = np.zeros((4, 3), np.float32), np.array([[0, 0, 1]] * 4, np.float32)
+    light = np.array([400.0, 700.0]), np.array([1.0, 0.5])
+    index = np.array([0, 1, 0, 1], np.int32)
+    tm25.write(
+        folder / "a.rays", RayFile(places, towards, np.ones(4, np.float32), None, None, [light, light], index)
+    )
+    content = (folder / "a.rays").read_bytes()
+    # The part that is spoilt has the numbers, and not the texts, which are most of it.
+    return [Seed("", "a.rays", {"a.rays": content[:288] + content[36288:]})]
+
+
+def _try_rays(file: Path, content: bytes) -> None:
+    file.write_bytes(content[:288] + bytes(36000) + content[288:])
+    try:
+        found = tm25.read(file)
+    except BadRayFileError:
+        return
+    assert np.isfinite(found.starts).all()
+    candela, error = far_field.candela_of(found, 4, 3)
+    assert np.isfinite(candela).all()
+    assert np.isfinite(error).all()
+
+
+def _try_luminaire(content: bytes) -> None:
+    try:
+        found = files.read(content)
+    except BadPhotometryError:
+        return
+    assert np.isfinite(found.candela).all()
+    assert (found.candela >= 0).all()
+    assert found.candela.shape == (len(found.horizontal), len(found.vertical))
+    assert flux(found) >= 0
+
+
 READERS: dict[str, Callable[[Path], list[Seed]]] = {
     "mitsuba": lambda _: [*_words("scene.xml"), *_words("old.xml")],
     "pbrt": lambda _: [*_words("scene.pbrt"), *_words("old.pbrt")],
@@ -205,6 +265,8 @@ READERS: dict[str, Callable[[Path], list[Seed]]] = {
     "parts": _parts,
     "packed": _packed,
     "placements": _placements,
+    "luminaires": _luminaires,
+    "rays": _rays,
 }
 
 
@@ -268,6 +330,10 @@ def _work(sender: Connection, folder: Path, name: str, first: int, ends: float) 
             contents = {**seed.files, seed.part: seed.spoilt(random_)}
             if name == "placements":
                 _try_placements(folder / "spoilt.ply", contents[seed.part])
+            elif name == "luminaires":
+                _try_luminaire(contents[seed.part])
+            elif name == "rays":
+                _try_rays(folder / "spoilt.rays", contents[seed.part])
             else:
                 try_import(seed.scene, contents, allow_missing=random_.random() < 0.5)
         except BaseException:  # whatever it is, it is told

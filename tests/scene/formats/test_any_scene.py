@@ -40,6 +40,7 @@ _CHANGE = st.tuples(
     st.sampled_from(WORDS),
 )
 Change = tuple[str, int, int, int, bytes]
+CHANGES = st.lists(_CHANGE, min_size=1, max_size=5)
 
 
 def changed(content: bytes, changes: list[Change]) -> bytes:
@@ -92,7 +93,7 @@ def test_any_words(name: str) -> None:
     content = (CORPUS / name).read_bytes()
 
     @_QUIETLY
-    @given(changes=st.lists(_CHANGE, min_size=1, max_size=5), allow_missing=st.booleans())
+    @given(changes=CHANGES, allow_missing=st.booleans())
     def run(changes: list[Change], allow_missing: bool) -> None:
         try_import(name, {name: changed(content, changes)}, allow_missing=allow_missing)
 

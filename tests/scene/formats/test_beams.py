@@ -8,6 +8,7 @@ import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
 from nocturne_scene.formats.mitsuba.read.units import CANDELAS_PER_UNIT
 from nocturne_scene.photometry import ies
+from nocturne_scene.photometry.intensities import Photometry
 
 from tests.scene.formats.mitsuba_import import SPHERE, imported
 
@@ -16,7 +17,7 @@ AXIS = '<transform name="to_world"><lookat origin="1 2 3" target="1 2 9" up="0 1
 PIXELS = [[[255, 0, 0], [0, 255, 0]], [[255, 255, 255], [0, 0, 255]]]
 
 
-def lamps(tmp_path: Path, body: str) -> list[tuple[dict[str, Any], ies.Photometry]]:
+def lamps(tmp_path: Path, body: str) -> list[tuple[dict[str, Any], Photometry]]:
     (tmp_path / "in").mkdir()
     picture = oiio.ImageBuf(oiio.ImageSpec(2, 2, 3, oiio.UINT8))
     picture.set_pixels(oiio.ROI(), np.array(PIXELS, dtype=np.uint8))
@@ -28,7 +29,7 @@ def lamps(tmp_path: Path, body: str) -> list[tuple[dict[str, Any], ies.Photometr
     return [(each, ies.read((tmp_path / "out" / each["profile"]["asset"]).read_bytes())) for each in made]
 
 
-def candela(lamp: tuple[dict[str, Any], ies.Photometry], x: float, y: float, z: float) -> float:
+def candela(lamp: tuple[dict[str, Any], Photometry], x: float, y: float, z: float) -> float:
     """Towards a point seen from the lamp, in the scene's axes."""
     luminaire, photometry = lamp
     axis, zero = (np.array(luminaire["profile"][key]) for key in ("axis", "zero"))

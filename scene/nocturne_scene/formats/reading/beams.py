@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from nocturne_scene.formats.reading import colours
 from nocturne_scene.formats.reading.lamps import ball
 from nocturne_scene.formats.reading.scene_writer import Json, SceneWriter
-from nocturne_scene.photometry.ies import Photometry
 from nocturne_scene.photometry.ies import write as write_photometry
+from nocturne_scene.photometry.intensities import Photometry
 from nocturne_scene.spectra.published import SRGB_LUMINANCE
 
 Array = NDArray[np.float64]

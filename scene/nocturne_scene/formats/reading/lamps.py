@@ -11,8 +11,8 @@ from nocturne_scene.formats.reading.extent import Extent
 from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.formats.reading.options import ImportOptions
 from nocturne_scene.formats.reading.scene_writer import Json, SceneWriter
-from nocturne_scene.photometry.ies import Photometry
 from nocturne_scene.photometry.ies import write as write_photometry
+from nocturne_scene.photometry.intensities import Photometry
 
 Direction = NDArray[np.float64]
 

@@ -8,6 +8,7 @@ import typer
 
 from nocturne_client.cli import (
     compare_commands,
+    light_commands,
     local_commands,
     measure_commands,
     preflight_command,
@@ -54,6 +55,7 @@ service_commands.add_to(app)
 local_commands.add_to(app)
 compare_commands.add_to(app)
 measure_commands.add_to(app)
+light_commands.add_to(app)
 preflight_command.add_to(app)
 validate_command.add_to(app)
 app.add_typer(token_commands.app)

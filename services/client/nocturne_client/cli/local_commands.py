@@ -169,10 +169,10 @@ def render(
 def ies(
     image: Annotated[Path, typer.Argument(metavar="IMAGE.exr", help="Of an intensity meter.")],
     output: Annotated[
-        Path, typer.Option("--output", "-o", metavar="FILE.ies|.ldt", help="Where the file goes.")
+        Path, typer.Option("--output", "-o", metavar="FILE.ies|.ldt|.xml", help="Where the file goes.")
     ],
 ) -> None:
-    """Write the image of an intensity meter as a photometric file: LM-63-2002, or EULUMDAT, both absolute."""
+    """Write the image of an intensity meter as a photometric file: LM-63-2002, EULUMDAT or TM-33."""
     from nocturne_client.local.photometry import write_photometry
 
     write_photometry(image, output)

@@ -1,0 +1,85 @@
+"""Commands about lights: a goniometer."""
+
+import os
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from nocturne_client.cli.local_commands import Threads
+from nocturne_client.cli.scene_options import BandEdges, ScenePath, Settings, changes_of
+from nocturne_client.cli.stops import For, Stops, share
+from nocturne_client.errors import NocturneClientError
+
+
+def add_to(app: typer.Typer) -> None:
+    """Adds these commands to the program."""
+    app.command()(goniometer)
+
+
+def goniometer(
+    scene: ScenePath,
+    output: Annotated[
+        list[Path],
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="LAMP.ies|.ldt|.xml",
+            help="Where it goes; may be repeated.",
+            dir_okay=False,
+        ),
+    ],
+    error: Annotated[
+        str,
+        typer.Option(
+            "--error", help='Stop when no angle\'s standard error is more than this of the largest: "1%".'
+        ),
+    ] = "1%",
+    horizontal: Annotated[int, typer.Option("--horizontal", min=1, help="Angles C.")] = 72,
+    vertical: Annotated[int, typer.Option("--vertical", min=2, help="Angles gamma.")] = 36,
+    centre: Annotated[
+        str, typer.Option("--centre", metavar="X,Y,Z", help="Of the sphere that holds the lamp, m.")
+    ] = "",
+    radius: Annotated[float, typer.Option("--radius", min=0, help="Of that sphere, m.")] = 0.0,
+    samples: Annotated[int, typer.Option("--samples", help="Samples per angle, at most.")] = 2**16,
+    duration: For = "",
+    bands: BandEdges = "",
+    settings: Settings = None,
+    threads: Threads = 0,
+    seed: Annotated[int | None, typer.Option("--seed", min=0, help="Instead of the scene's own.")] = None,
+    table: Annotated[
+        Path | None,
+        typer.Option(
+            "--table", metavar="LAMP.csv", help="Of errors; default: the first file's name and .csv."
+        ),
+    ] = None,
+) -> None:
+    """Measure a lamp in a scene as a goniophotometer does: a photometric file, and a table with the standard
+    error of every angle.
+
+    The scene's sensor is an intensity meter, or --centre and --radius make one. Of a ray file (IES TM-25),
+    with a name in .TM25RAY instead of SCENE, the far field is written.
+    """
+    from nocturne_client.local.goniometer import Goniometer, measure_lamp
+
+    changes = changes_of(settings, bands, "")
+    if centre or radius:
+        meter = {"type": "intensity_meter", "position": _point(centre), "lamp_radius": radius}
+        changes = {"sensor": meter} | changes
+    limits = Stops(duration=duration).asked() | {"angle_error": share(error, "--error")}
+    where = table or output[0].with_suffix(".csv")
+    threads = threads or len(os.sched_getaffinity(0))
+    film = horizontal, vertical, samples
+    measure_lamp(Goniometer(scene, output, where, *film, threads, seed, limits, changes))
+    for path in (*output, where):
+        typer.echo(path)
+
+
+def _point(text: str) -> list[float]:
+    try:
+        found = [float(part) for part in text.split(",")]
+    except ValueError:
+        found = []
+    if len(found) != len("XYZ"):
+        raise NocturneClientError(f"--centre {text}: expected X,Y,Z in metres, such as 0,2.5,0")
+    return found
