@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 import OpenEXR
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
+from nocturne_scene import response_correlations
 from nocturne_scene.bands import spectral_attributes
 from nocturne_scene.layers import NO_LAYERS, Layers
 from nocturne_scene.quantities import LUMINANCE, quantity_named
@@ -77,6 +78,8 @@ class Provenance:
     """How the scene is traced and why, where a pilot chose."""
     warnings: tuple[RenderWarning, ...] = ()
     """What a pilot found that the image may not show."""
+    instruments: str = ""
+    """What the sensor measures where, in metres, as JSON."""
 
 
 def manifest_text(samples: Sequence[int]) -> str:
@@ -203,7 +206,12 @@ def write_image(
     if provenance.truncated_paths:
         header["nocturne:truncatedPaths"] = str(provenance.truncated_paths)
     # A sensor may have responses with such names: they go first.
-    channels = {**layers.channels, **_exr_channels(sums, counts, squares, further_responses)}
+    moments = moments_of(sums, counts, *squares)
+    channels = {**layers.channels, **_exr_channels(moments, further_responses)}
+    if moments.correlations is not None and (text := response_correlations.encode(moments.correlations)):
+        header[response_correlations.ATTRIBUTE] = text
+    if provenance.instruments:
+        header["nocturne:instruments"] = provenance.instruments
     try:
         with OpenEXR.File({**header, **layers.attributes}, channels) as file:
             file.write(str(path))
@@ -227,10 +235,7 @@ def _measured(name: str) -> dict[str, Any]:
     return attributes
 
 
-def _exr_channels(
-    sums: Sums, counts: Counts, squares: Squares, further_responses: Sequence[str]
-) -> dict[str, npt.NDArray[Any]]:
-    moments = moments_of(sums, counts, *squares)
+def _exr_channels(moments: ImageMoments, further_responses: Sequence[str]) -> dict[str, npt.NDArray[Any]]:
     mean, errors = moments.mean.astype(np.float32), np.sqrt(moments.variance + moments.one_more)
     names = ["X", "Y", "Z", *further_responses]
     channels = {
@@ -241,7 +246,7 @@ def _exr_channels(
             _correlation_of(moments.covariance, np.sqrt(moments.variance)),
         ),
         **_ratios(moments),
-        "n": np.ascontiguousarray(counts, dtype=np.uint32),
+        "n": np.ascontiguousarray(moments.samples, dtype=np.uint32),
     }
     # A sensor may have responses with these names: they say more than what only viewers need.
     rgb = {} if channels.keys() & set("RGB") else _planes("RGB", _linear_srgb(mean[..., :3]))

@@ -194,6 +194,7 @@ def provenance_of(render: RunningRender) -> Provenance:
         render.totals.truncated_paths,
         render.planned.schedule.way,
         from_messages(render.planned.schedule.warnings),
+        render.planned.schedule.instruments,
     )
 
 

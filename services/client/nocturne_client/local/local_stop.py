@@ -10,7 +10,7 @@ from nocturne.v1 import job_pb2
 from nocturne_coordinator.dispatch.error_estimate import Squares, estimate_error
 from nocturne_coordinator.dispatch.trust import RangeEnd, confirmed
 from nocturne_scene.ranges import TileGrid, sample_ends
-from nocturne_scene.tile_sums import PRODUCTS, split
+from nocturne_scene.tile_sums import split
 
 
 class LocalStop:
@@ -33,7 +33,7 @@ class LocalStop:
         width, height, grid = schedule.width, schedule.height, TileGrid.of(schedule)
         numbers = np.fromfile(sums_file, dtype="<f8")
         sums = split(numbers, width, height, len(schedule.further_responses), grid.count)
-        of_tiles = sums.tile_products.reshape(-1, grid.columns, PRODUCTS)
+        of_tiles = sums.tile_products.reshape(-1, grid.columns, sums.tile_products.shape[-1])
         squares = Squares(sums.block_products, of_tiles, grid.tile_size)
         counts = np.full((height, width), samples, dtype=np.uint32)
         now = RangeEnd.of(estimate_error(sums.pixels, counts, squares))
