@@ -35,7 +35,7 @@ _UNKNOWN = Quantity("", "", "")
 def quantity_of(sensor: scene_pb2.Sensor) -> Quantity:
     """What a compiled scene's sensor measures."""
     match sensor.model:
-        case scene_pb2.SENSOR_MODEL_PLANE:
+        case scene_pb2.SENSOR_MODEL_PLANE | scene_pb2.SENSOR_MODEL_METERS:
             return ILLUMINANCE
         case scene_pb2.SENSOR_MODEL_INTENSITY:
             return INTENSITY

@@ -36,5 +36,6 @@ def schedule_of(
     )
     schedule.quantity = quantity_of(scene.sensor).name
     schedule.way = scene.tracing.way
+    schedule.instruments = scene.sensor.instruments
     schedule.warnings.extend(scene.tracing.warnings)
     return schedule

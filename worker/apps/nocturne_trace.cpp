@@ -104,6 +104,7 @@ struct Quantity {
 Quantity quantity_of(const v1::Sensor& sensor) {
   switch (sensor.model()) {
     case v1::SENSOR_MODEL_PLANE:
+    case v1::SENSOR_MODEL_METERS:
       return {"illuminance", "lx", "W m-2"};
     case v1::SENSOR_MODEL_INTENSITY:
       return {"luminous intensity", "cd", "W sr-1"};
@@ -184,7 +185,7 @@ void run_film(const Options& options, const v1::CompiledScene& message,
   write_exr(options.output, image, plan.tile_size, further_responses, samples,
             {scene_sha256, schedule_json(schedule), v1::ENGINE_CURRENT, profile, quantity.name,
              quantity.unit, quantity.response_unit, image.truncated_paths, schedule.way(),
-             warning_lines(schedule), unmet_part_lines(schedule)});
+             warning_lines(schedule), unmet_part_lines(schedule), schedule.instruments()});
   if (!options.statistics.empty()) {
     write_statistics(options.statistics, image, cpu, wall.count());
   }

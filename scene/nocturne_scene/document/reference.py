@@ -99,6 +99,9 @@ _ORDER = (
     "IrradianceMeter",
     "RadianceMeter",
     "IntensityMeter",
+    "Meters",
+    "Instrument",
+    "MeterGrid",
     "Tracing",
     "Mixture",
 )

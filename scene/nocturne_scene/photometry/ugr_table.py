@@ -104,7 +104,7 @@ def background(room: Room, shares: Shares, reflectances: tuple[float, float, flo
     """L_b, cd/m2: the walls' indirect illuminance over pi."""
     back = returns_to_walls(room, reflectances)
     flux = shares.ceiling * back[0] + shares.walls * back[1] + shares.floor * back[2]
-    return flux / room.wall_area / math.pi
+    return float(flux) / room.wall_area / math.pi
 
 
 def returns_to_walls(room: Room, reflectances: tuple[float, float, float]) -> Floats:
@@ -162,7 +162,7 @@ def _intensity(photometry: Photometry, plane: Floats, gamma: Floats) -> Floats:
         [np.interp(gamma, photometry.vertical, row, left=0.0, right=0.0) for row in photometry.candela]
     )
     if len(photometry.horizontal) == 1:
-        return by_plane[0]
+        return np.asarray(by_plane[0], dtype=np.float64)
     place = np.interp(plane, photometry.horizontal, np.arange(len(photometry.horizontal)))
     low = np.minimum(place.astype(np.int64), len(photometry.horizontal) - 2)
     part = place - low
