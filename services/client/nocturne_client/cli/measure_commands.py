@@ -20,6 +20,21 @@ from nocturne_client.readings import CONFIDENCE, interval, parse_region, rounded
 Target = Annotated[
     str, typer.Argument(metavar="ID|IMAGE.exr", help="A render of the service, or a file on this machine.")
 ]
+Colour = Annotated[
+    bool,
+    typer.Option(
+        "--colour",
+        help="Tell the colour of the light: CCT, Ra, Rf, alpha-opic; needs `colour` of the sensor.",
+    ),
+]
+Polygon = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--polygon",
+        metavar="'X,Y X,Y X,Y...'",
+        help="Corners in pixels: it has the pixels whose centres it holds.",
+    ),
+]
 _LEAST = {"polygon": 3, "line": 2}
 
 
@@ -36,14 +51,7 @@ def measure(
         list[str] | None,
         typer.Option("--region", metavar="X,Y,WIDTH,HEIGHT", help="A rectangle of pixels; may be repeated."),
     ] = None,
-    polygon: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--polygon",
-            metavar="'X,Y X,Y X,Y...'",
-            help="Corners in pixels: it has the pixels whose centres it holds.",
-        ),
-    ] = None,
+    polygon: Polygon = None,
     line: Annotated[
         list[str] | None,
         typer.Option("--line", metavar="X0,Y0,X1,Y1", help="From a pixel to another; gives a profile."),
@@ -52,13 +60,7 @@ def measure(
         str, typer.Option("--channel", help="X, Y, Z, or a further response of the sensor.")
     ] = "Y",
     bins: Annotated[int, typer.Option("--histogram", metavar="BINS", min=0, help="Count values, too.")] = 0,
-    colour: Annotated[
-        bool,
-        typer.Option(
-            "--colour",
-            help="Tell the colour of the light: CCT, Ra, Rf, alpha-opic; needs `colour` of the sensor.",
-        ),
-    ] = False,
+    colour: Colour = False,
     keep: Annotated[
         bool, typer.Option("--keep", help="Keep these with the render, instead of all that were.")
     ] = False,
@@ -80,9 +82,9 @@ def measure(
         *(_outline("line", text) for text in line or []),
     ]
     file = _file(target)
+    if file is not None and keep:
+        raise NocturneClientError("--keep: parts are kept with renders of the service, and not in files")
     if file is not None:
-        if keep:
-            raise NocturneClientError("--keep: parts are kept with renders of the service, and not in files")
         from nocturne_client.local.measuring import measure_file
 
         found = measure_file(file, outlines, channel, bins, colour=colour)
