@@ -72,7 +72,7 @@ _BY_NAME = {each.name: each for each in _ALL}
 def photometric_quantity_of(model: scene_pb2.SensorModel.ValueType) -> Quantity:
     """What a sensor measures by the CIE's observer."""
     match model:
-        case scene_pb2.SENSOR_MODEL_PLANE:
+        case scene_pb2.SENSOR_MODEL_PLANE | scene_pb2.SENSOR_MODEL_METERS:
             return ILLUMINANCE
         case scene_pb2.SENSOR_MODEL_INTENSITY:
             return INTENSITY

@@ -13,7 +13,10 @@ _TAKEN = frozenset("XYZRGBAn")
 LIGHT_PARTS = {part: tuple(f"{part}.{axis}" for axis in "XYZ") for part in ("direct", "indirect")}
 """Names of responses to a part of the light, by part."""
 
-_OF_PARTS = frozenset(name for names in LIGHT_PARTS.values() for name in names)
+COLOUR = tuple(f"colour.{number:02d}" for number in range(43))
+"""Names of responses that tell a light's colour, by wavelength; what they are: `spectra.colour_basis`."""
+
+_OF_SENSORS = frozenset(name for names in LIGHT_PARTS.values() for name in names) | frozenset(COLOUR)
 
 
 def name_problems(names: Sequence[str]) -> Iterator[str]:
@@ -23,7 +26,7 @@ def name_problems(names: Sequence[str]) -> Iterator[str]:
     for index, name in enumerate(names):
         if name in names[:index]:
             yield f"two responses are named {name!r}"
-        elif is_band(name) or name in _OF_PARTS:
+        elif is_band(name) or name in _OF_SENSORS:
             continue
         elif not _NAME.fullmatch(name):
             yield (

@@ -40,6 +40,7 @@ def schedule_of(
     if not within.is_usual:
         schedule.first_nm, schedule.last_nm = within.first, within.last
     schedule.way = scene.tracing.way
+    schedule.instruments = scene.sensor.instruments
     schedule.warnings.extend(scene.tracing.warnings)
     return schedule
 

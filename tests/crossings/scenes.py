@@ -68,7 +68,8 @@ def scene(seed: int) -> Scene:
     room = chance.maybe(0.5)
     width, height = chance.pick(_FILMS)
     document: Document = {"nocturne": 1, "name": f"crossing {seed}", "surfaces": []}
-    document["sensor"] = sensor = _sensor(draft, room=room)
+    document["sensor"] = sensor = _sensor(draft, (width, height), room=room)
+    height += sum("points" in each for each in sensor.get("instruments", []))
     meter = sensor["type"] == "intensity_meter"
     alone = not meter or chance.maybe(0.6)
     if meter:
@@ -120,6 +121,7 @@ def _put_range(draft: Draft, document: Document) -> None:
     if not visible:
         # Its curves are of visible light.
         sensor.pop("responses", None)
+        sensor.pop("colour", None)
     if not visible or chance.maybe(0.5):
         sensor["measures"] = chance.pick(fitting)
     if chance.maybe(0.5):
@@ -151,7 +153,7 @@ def _relight(draft: Draft, document: Document) -> None:
                 each[field] = sunlight(draft, luminance)
 
 
-def _sensor(draft: Draft, *, room: bool) -> Document:
+def _sensor(draft: Draft, film: tuple[int, int], *, room: bool) -> Document:
     match draft.chance.whole(0, 9):
         case 0 | 1 | 2:
             far = not room and draft.chance.maybe(0.3)
@@ -160,6 +162,8 @@ def _sensor(draft: Draft, *, room: bool) -> Document:
             return sensors.film(draft, far=far)
         case 3:
             return sensors.intensity(draft, PLACES[0], RADIUS + 0.05)
+        case 4 if draft.chance.maybe(0.5):
+            return sensors.meters(draft, *film)
     return sensors.camera(draft)
 
 
@@ -280,7 +284,7 @@ def _put_around(draft: Draft, document: Document, *, far: bool) -> None:
 def _put_across(draft: Draft, document: Document, lamp_at: Point) -> None:
     """Bodies whose boundaries cut the sensor or the lamp, and smoke in front of the sensor."""
     chance = draft.chance
-    sensor = document["sensor"]["position"]
+    sensor = document["sensor"].get("position", [0.0, 0.5, 1.2])
     if chance.maybe(0.12):
         draft.situations.add("a boundary across the sensor")
         glass = draft.sharp and chance.maybe(0.3)

@@ -107,6 +107,7 @@ Quantity quantity_of(const v1::Sensor& sensor) {
   }
   switch (sensor.model()) {
     case v1::SENSOR_MODEL_PLANE:
+    case v1::SENSOR_MODEL_METERS:
       return {"illuminance", "lx", "W m-2"};
     case v1::SENSOR_MODEL_INTENSITY:
       return {"luminous intensity", "cd", "W sr-1"};
@@ -192,11 +193,11 @@ void run_film(const Options& options, const v1::CompiledScene& message,
 
   static const std::string profile = floating_point_profile();
   const Quantity quantity = quantity_of(message.sensor());
-  write_exr(
-      options.output, image, plan.tile_size, further_responses, samples,
-      {scene_sha256, schedule_json(schedule), v1::ENGINE_CURRENT, profile, quantity.name,
-       quantity.unit, quantity.response_unit, image.truncated_paths, schedule.way(),
-       warning_lines(schedule), unmet_part_lines(schedule), wavelengths_of(message.sensor())});
+  write_exr(options.output, image, plan.tile_size, further_responses, samples,
+            {scene_sha256, schedule_json(schedule), v1::ENGINE_CURRENT, profile, quantity.name,
+             quantity.unit, quantity.response_unit, image.truncated_paths, schedule.way(),
+             warning_lines(schedule), unmet_part_lines(schedule), wavelengths_of(message.sensor()),
+             schedule.instruments()});
   if (!options.statistics.empty()) {
     write_statistics(options.statistics, image, cpu, wall.count());
   }

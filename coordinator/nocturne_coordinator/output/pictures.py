@@ -210,6 +210,7 @@ def provenance_of(render: RunningRender) -> Provenance:
         render.planned.schedule.way,
         from_messages(render.planned.schedule.warnings),
         wavelengths_of(render.planned.schedule),
+        render.planned.schedule.instruments,
     )
 
 

@@ -95,7 +95,7 @@ def _message(workspace: Workspace, film: Film | None) -> tuple[scene_pb2.Compile
     workspace.frame = frame_of(workspace, shapes)
     kernels, lights = Kernels(workspace, textures), Lights(workspace, textures, shapes)
     with workspace.problems_at("$.sensor"):
-        message.sensor.CopyFrom(compile_sensor(workspace))
+        message.sensor.CopyFrom(compile_sensor(workspace, film))
     surfaces = Surfaces(workspace, textures, shapes, kernels, media)
     for index, (surface, group, place) in enumerate(_all_surfaces(workspace, instances)):
         message.surfaces.append(surfaces.compile(surface, group, place))
@@ -139,7 +139,7 @@ def _message(workspace: Workspace, film: Film | None) -> tuple[scene_pb2.Compile
     workspace.report_unused()
     workspace.warnings.extend(warnings_of(workspace, shapes, film))
     # Photons leave a film in directions that are chosen, too.
-    from_film = workspace.document.sensor.type == "irradiance_meter"
+    from_film = workspace.document.sensor.type in ("irradiance_meter", "meters")
     return message, from_film or kernels.scatters() or media.scatters()
 
 

@@ -9,12 +9,14 @@ from numpy.typing import NDArray
 
 from nocturne_scene.bands import band_name
 from nocturne_scene.compile import spectra
+from nocturne_scene.compile.meters import film_in_metres, put_meters
 from nocturne_scene.compile.placement import motion_steps
 from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document.sensors import (
     Bands,
     IntensityMeter,
     IrradianceMeter,
+    Meters,
     Orthographic,
     Panorama,
     Pinhole,
@@ -22,10 +24,11 @@ from nocturne_scene.document.sensors import (
     Sensor,
     ThinLens,
 )
+from nocturne_scene.film import Film
 from nocturne_scene.meshes.similarity import Similarity
 from nocturne_scene.quantities import measured_by, photometric_quantity_of
-from nocturne_scene.responses import LIGHT_PARTS
-from nocturne_scene.spectra import published
+from nocturne_scene.responses import COLOUR, LIGHT_PARTS
+from nocturne_scene.spectra import colour_basis, published
 from nocturne_scene.spectra.named_responses import RESPONSES
 from nocturne_scene.spectra.wavelength_range import WavelengthRange
 
@@ -42,10 +45,11 @@ _MODELS = {
     "irradiance_meter": scene_pb2.SENSOR_MODEL_PLANE,
     "radiance_meter": scene_pb2.SENSOR_MODEL_RADIANCE_METER,
     "intensity_meter": scene_pb2.SENSOR_MODEL_INTENSITY,
+    "meters": scene_pb2.SENSOR_MODEL_METERS,
 }
 
 
-def compile_sensor(workspace: Workspace) -> scene_pb2.Sensor:
+def compile_sensor(workspace: Workspace, film: Film | None = None) -> scene_pb2.Sensor:
     """Return the sensor with orthonormal frames: right x up = -forward. Raises Unusable."""
     sensor = workspace.document.sensor
     first, *later = _poses(sensor, workspace.frame)
@@ -72,6 +76,7 @@ def compile_sensor(workspace: Workspace) -> scene_pb2.Sensor:
             *(_response(workspace, name) for name in sorted(sensor.responses)),
             *_named_responses(sensor.named_responses, within),
             *_band_responses(sensor.bands, within),
+            *(_colour_responses() if sensor.colour else ()),
             *(_part_responses(response) if sensor.light_parts else ()),
         ],
         model=_MODELS[sensor.type],
@@ -82,6 +87,11 @@ def compile_sensor(workspace: Workspace) -> scene_pb2.Sensor:
         message.quantity.unit = measured.unit
         message.quantity.response_unit = measured.response_unit
     _put_optics(message, sensor)
+    if isinstance(sensor, Meters):
+        put_meters(sensor, film, message)
+    if isinstance(sensor, IrradianceMeter):
+        _, right, up = _frame(sensor)
+        message.instruments = film_in_metres(sensor, right, up)
     return message
 
 
@@ -132,6 +142,15 @@ def _band_responses(bands: Bands | None, within: WavelengthRange) -> Iterator[sc
         outermost = at_edge & np.isin(wavelengths, (within.first, within.last))
         values = (inside + 0.5 * at_edge + 0.5 * outermost) / (end - start)
         yield scene_pb2.Response(name=band_name(0.5 * (start + end)), values=values.tolist())
+
+
+def _colour_responses() -> Iterator[scene_pb2.Response]:
+    wavelengths = published.visible_wavelengths()
+    first, last = published.COLOUR_RANGE
+    values = np.zeros((len(wavelengths), colour_basis.COUNT))
+    values[(wavelengths >= first) & (wavelengths <= last)] = colour_basis.responses()
+    for name, of_one in zip(COLOUR, values.T, strict=True):
+        yield scene_pb2.Response(name=name, values=of_one.astype(np.float32).tolist())
 
 
 def _part_responses(observer: NDArray[np.float32]) -> Iterator[scene_pb2.Response]:
@@ -195,6 +214,9 @@ def _frame(sensor: Sensor) -> tuple[_Direction, _Direction, _Direction]:
             view = np.subtract(sensor.look_at, sensor.position)
             forward = unit(view - (view @ up) * up)
             return forward, np.cross(forward, up), up
+        case Meters():
+            # So that right, up and backwards are x, y and z.
+            return np.array([0.0, 0.0, -1.0]), np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
         case IrradianceMeter():
             forward, towards = unit(np.array(sensor.facing())), np.array(sensor.upwards())
         case _:

@@ -105,6 +105,10 @@ IMPORTANT_SHAPES = 100
 # Channels beyond X, Y, Z: each takes memory for every pixel.
 RESPONSES = 64
 
+# Points of a sensor's meters, and its instruments: each is told in the image's header.
+METERS = 4096
+INSTRUMENTS = 64
+
 # Edges of a lens opening.
 APERTURE_BLADES = 64
 

@@ -101,6 +101,9 @@ _ORDER = (
     "IrradianceMeter",
     "RadianceMeter",
     "IntensityMeter",
+    "Meters",
+    "Instrument",
+    "MeterGrid",
     "Tracing",
     "Mixture",
 )

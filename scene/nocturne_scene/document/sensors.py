@@ -6,6 +6,7 @@ from pydantic import AfterValidator, Field, model_validator
 
 from nocturne_scene.document import bounds
 from nocturne_scene.document.fields import Degrees, Finite, Name, PositiveLength, Vector
+from nocturne_scene.document.instruments import Instrument
 from nocturne_scene.document.luminaires import check_axes
 from nocturne_scene.document.node import ByType, Node, problem_at, quoted_list
 from nocturne_scene.document.placement import Motion
@@ -84,6 +85,12 @@ class _AnySensor(Node):
         default=None,
         description="Spectral image: further channels named as spectral EXR files have it, such as "
         "`S0.555,000000nm` for the band around 555 nm.",
+    )
+    colour: bool = Field(
+        default=False,
+        description="Further channels `colour.00` and so on, 43 smooth responses from 380 to 780 nm. From "
+        "these `nocturne measure --colour` tells the colour of the light that arrives: correlated colour "
+        "temperature, Ra, Rf, Rg and the alpha-opic quantities of CIE S 026, each with its standard error.",
     )
     light_parts: bool = Field(
         default=False,
@@ -278,6 +285,69 @@ class IntensityMeter(_AnySensor):
         return self
 
 
+class Meters(_AnySensor):
+    """Illuminance meters at points and on grids, several in one render. A pixel is one of them: Y is the
+    illuminance in lx.
+
+    The film's size follows from the instruments: grids lie below one another, each as its plan, points side
+    by side. Pixels to their right measure what the last meter left of them does. Photons from luminaires do
+    not meet points, so light that glass or mirrors gather is found from the meters alone; and meters share
+    nothing, whatever `sharing` says.
+    """
+
+    type: Literal["meters"]
+    instruments: Annotated[list[Instrument], Field(min_length=1, max_length=bounds.INSTRUMENTS)] = Field(
+        description="What is measured where."
+    )
+    outdoor: Name | None = Field(
+        default=None,
+        description="The instrument whose mean is the illuminance outdoors: of all others `nocturne measure` "
+        "tells the daylight factor.",
+    )
+
+    @model_validator(mode="after")
+    def _is_whole(self) -> Self:
+        names = [each.name for each in self.instruments]
+        for index, name in enumerate(names):
+            if name in names[:index]:
+                raise problem_at(f".instruments[{index}].name", "another instrument has this name")
+        if self.outdoor is not None and self.outdoor not in names:
+            raise problem_at(".outdoor", f"no instrument has this name; expected one of {quoted_list(names)}")
+        points = sum(columns * rows for columns, rows in (each.size for each in self.instruments))
+        if points > bounds.METERS:
+            raise problem_at(".instruments", f"have {points} points; at most {bounds.METERS}")
+        return self
+
+    @property
+    def position(self) -> Vector:
+        """The middle of all instruments, m."""
+        middles = [each.middle() for each in self.instruments]
+        x, y, z = (0.5 * (min(axis) + max(axis)) for axis in zip(*middles, strict=True))
+        return (x, y, z)
+
+    def layout(self) -> tuple[tuple[int, int], list[tuple[int, int]]]:
+        """Width and height of the film, and the upper left pixel of each instrument."""
+        width = max(each.size[0] for each in self.instruments)
+        places, across, top = list[tuple[int, int]](), 0, 0
+        for each in self.instruments:
+            columns, rows = each.size
+            if each.grid is not None or across + columns > width:
+                top, across = top + (1 if across else 0), 0
+            places.append((across, top))
+            if each.grid is not None:
+                top += rows
+            else:
+                across += columns
+        return (width, top + (1 if across else 0)), places
+
+
 CAMERAS = (Pinhole, ThinLens, Orthographic, Panorama)
-Sensor = Pinhole | ThinLens | Orthographic | Panorama | IrradianceMeter | RadianceMeter | IntensityMeter
+Sensor = (
+    Pinhole | ThinLens | Orthographic | Panorama | IrradianceMeter | RadianceMeter | IntensityMeter | Meters
+)
 SensorDefinition = Annotated[Sensor, ByType()]
+
+
+def film_size(sensor: Sensor, width: int, height: int) -> tuple[int, int]:
+    """Of a film that was asked for: with meters it follows from these."""
+    return sensor.layout()[0] if isinstance(sensor, Meters) else (width, height)

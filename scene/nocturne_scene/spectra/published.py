@@ -215,3 +215,81 @@ def data_file(name: str) -> dict[str, Any]:
 def data_bytes(name: str) -> bytes:
     """Read a binary file of `scene/data`."""
     return resources.files("nocturne_scene.data").joinpath(name).read_bytes()
+
+
+COLOUR_RANGE = (380, 780)
+"""nm, both ends in: what colour rendering and alpha-opic quantities are defined over (CIE 13.3, CIE 224, CIE
+S 026)."""
+
+
+def colour_wavelengths() -> Floats:
+    """COLOUR_RANGE, each nm: 401 numbers."""
+    return np.arange(COLOUR_RANGE[0], COLOUR_RANGE[1] + 1.0)
+
+
+@lru_cache(maxsize=1)
+def test_colours() -> Floats:
+    """Reflectances of the 14 test colours of CIE 13.3-1995, shape (401, 14), at `colour_wavelengths`; its
+    tables are each 5 nm, straight in between."""
+
+    def read() -> Floats:
+        found = _colour().quality.SDS_TCS["CIE 1995"].values()
+        columns = [np.interp(colour_wavelengths(), each.wavelengths, each.values) for each in found]
+        return np.stack(columns, axis=-1)
+
+    return _kept("test-colours", read)
+
+
+@lru_cache(maxsize=1)
+def colour_evaluation_samples() -> Floats:
+    """Reflectances of the 99 samples of CIE 224:2017 and ANSI/IES TM-30-20, shape (401, 99), at
+    `colour_wavelengths`."""
+
+    def read() -> Floats:
+        colour = _colour()
+        shape = colour.SpectralShape(*COLOUR_RANGE, 1)
+        return np.asarray(colour.quality.cfi2017.load_TCS_CIE2017(shape).values, dtype=np.float64)
+
+    return _kept("colour-evaluation-samples", read)
+
+
+@lru_cache(maxsize=1)
+def daylight_components() -> Floats:
+    """S0, S1, S2 of CIE 015:2018, table 6, shape (401, 3), at `colour_wavelengths`; each 5 nm, straight in
+    between."""
+
+    def read() -> Floats:
+        found = _colour().colorimetry.SDS_BASIS_FUNCTIONS_CIE_ILLUMINANT_D_SERIES
+        columns = [
+            np.interp(colour_wavelengths(), found[name].wavelengths, found[name].values)
+            for name in ("S0", "S1", "S2")
+        ]
+        return np.stack(columns, axis=-1)
+
+    return _kept("daylight-components", read)
+
+
+ALPHA_OPIC = ("S-cone-opic", "M-cone-opic", "L-cone-opic", "rhodopic", "melanopic")
+"""The responses of CIE S 026/E:2018."""
+
+
+@lru_cache(maxsize=1)
+def alpha_opic_spectra() -> Floats:
+    """Action spectra of ALPHA_OPIC, shape (401, 5), at `colour_wavelengths`; largest 1.
+
+    Cones: Stockman and Sharpe's fundamentals for 10 degrees, CIE 170-1:2006. Rods: CIE 1951. Melanopsin: the
+    standard's own table. Together these are the tables of CIE S 026/E:2018.
+    """
+
+    def read() -> Floats:
+        colour, wavelengths = _colour(), colour_wavelengths()
+        cones = colour.MSDS_CMFS["Stockman & Sharpe 10 Degree Cone Fundamentals"]
+        rods = colour.SDS_LEFS["CIE 1951 Scotopic Standard Observer"]
+        long, medium, short = (
+            np.interp(wavelengths, cones.wavelengths, each, left=0.0, right=0.0) for each in cones.values.T
+        )
+        rod = np.interp(wavelengths, rods.wavelengths, rods.values)
+        return np.stack([short, medium, long, rod], axis=-1)
+
+    melanopic = np.array(data_file("action_spectra.toml")["melanopic"])
+    return np.column_stack([_kept("cones-and-rods", read), melanopic])

@@ -306,11 +306,12 @@ class Client:
         bins: int = 0,
         bounds: tuple[float, float] = (0.0, 0.0),
         logarithmic: bool = False,
+        colour: bool = False,
     ) -> Measurements:
         """Extremes, mean and uniformity of parts of the image, with their errors.
 
         Without outlines of those kept with the render; where there are none, of the whole film. `bins`: of a
-        histogram, between `bounds` or as the values are.
+        histogram, between `bounds` or as the values are. `colour`: tell that of the light, where it is known.
         """
         body = {
             "outlines": [asdict(outline) for outline in outlines],
@@ -319,6 +320,7 @@ class Client:
             "low": bounds[0],
             "high": bounds[1],
             "logarithmic": logarithmic,
+            "colour": colour,
         }
         return decode(Measurements, self._transport.post(f"/v1/renders/{_part(render_id)}:measure", body))
 

@@ -295,6 +295,8 @@ class PixelValue:
     value: float
     standard_error: float | None
     """Standard error; null where it is not known."""
+    place: list[float] | None
+    """The middle of a meter's pixel, x, y, z in metres; null of other sensors."""
 
 
 @dataclass(frozen=True)
@@ -307,6 +309,32 @@ class Histogram:
     outside: int
     """Pixels below the first bin or above the last."""
     logarithmic: bool
+
+
+@dataclass(frozen=True)
+class ColourValue:
+    """A number that tells of the colour of the light that arrives."""
+
+    name: str
+    """Such as Ra, Rf, melanopic equivalent daylight illuminance."""
+    value: float | None
+    """Null where the light has none."""
+    standard_error: float | None
+    """Standard error; null where it is not known."""
+    unit: str
+    """In ASCII; empty: none."""
+
+
+@dataclass(frozen=True)
+class DaylightFactor:
+    """Illuminance over that outdoors, in percent (EN 17037)."""
+
+    mean: float
+    mean_error: float | None
+    """Standard error; null where it is not known."""
+    minimum: float
+    minimum_error: float | None
+    """Standard error; null where it is not known."""
 
 
 @dataclass(frozen=True)
@@ -338,6 +366,10 @@ class Measurement:
     """The same as a table (RFC 4180); empty for other outlines."""
     histogram: Histogram | None
     """Where one was asked for."""
+    colour: list[ColourValue]
+    """Of the light, where it was asked for and is known."""
+    daylight_factor: DaylightFactor | None
+    """Of meters whose sensor names what is outdoors."""
 
 
 @dataclass(frozen=True)

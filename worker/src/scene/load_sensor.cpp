@@ -9,6 +9,7 @@ namespace {
 
 // Partials would be too large to hand over.
 constexpr int kMaxFurtherResponses = 60;
+constexpr int kMaxMeters = 1 << 20;
 // Three for each of many lines.
 constexpr int kMaxKnots = 100'000;
 
@@ -32,6 +33,42 @@ SensorModel perspective(const v1::Sensor& s) {
                   finite(s.focus_distance(), "the focus distance"));
 }
 
+MeterBody body(v1::MeterBody body) {
+  switch (body) {
+    case v1::METER_BODY_PLANE:
+      return MeterBody::kPlane;
+    case v1::METER_BODY_CYLINDER:
+      return MeterBody::kCylinder;
+    case v1::METER_BODY_HALF_CYLINDER:
+      return MeterBody::kHalfCylinder;
+    case v1::METER_BODY_HALF_SPHERE:
+      return MeterBody::kHalfSphere;
+    case v1::METER_BODY_SPHERE:
+      return MeterBody::kSphere;
+    default:
+      refuse("a meter's body that this program doesn't know");
+  }
+}
+
+Vec3 unit_vector(const v1::Vector& v, const char* what) {
+  const Vec3 found = vector(v, what);
+  require(std::fabs(length(found) - 1.0f) < 1e-3f, "a meter's direction that has not length 1");
+  return normalized(found);
+}
+
+Meters meters(const v1::Sensor& s) {
+  require(s.meters_size() <= kMaxMeters, "too many meters");
+  std::vector<Meter> meters;
+  for (const auto& m : s.meters()) {
+    const float factor = m.factor() == 0.0 ? 1.0f : finite(m.factor(), "a meter's factor");
+    require(factor > 0.0f, "a meter's factor that is not above 0");
+    meters.push_back({vector(m.place(), "a meter's place"),
+                      unit_vector(m.normal(), "a meter's normal"),
+                      unit_vector(m.facing(), "what a meter faces"), body(m.body()), factor});
+  }
+  return Meters(std::move(meters));
+}
+
 SensorModel model(const v1::Sensor& s) {
   switch (s.model()) {
     case v1::SENSOR_MODEL_PERSPECTIVE:
@@ -47,6 +84,8 @@ SensorModel model(const v1::Sensor& s) {
                            finite(s.acceptance(), "the meter's acceptance"));
     case v1::SENSOR_MODEL_INTENSITY:
       return IntensityMeter(finite(s.lamp_radius(), "the lamp's radius"));
+    case v1::SENSOR_MODEL_METERS:
+      return meters(s);
     default:
       refuse("a sensor that this program doesn't know");
   }
