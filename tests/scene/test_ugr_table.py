@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from nocturne_scene.photometry.ies import Photometry
+from nocturne_scene.photometry.intensities import Photometry
 from nocturne_scene.photometry.ugr_table import (
     REFLECTANCES,
     ROOMS,

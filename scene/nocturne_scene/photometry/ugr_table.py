@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 
 from nocturne_scene.photometry.glare import TABLE_ENDS, position_index
-from nocturne_scene.photometry.ies import Photometry
+from nocturne_scene.photometry.intensities import Photometry
 from nocturne_scene.spectra.published import Floats
 
 View = Literal["crosswise", "endwise"]

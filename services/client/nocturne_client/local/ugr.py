@@ -6,7 +6,7 @@ from typing import Any
 
 from nocturne_scene.photometry import files
 from nocturne_scene.photometry import ugr_table as tabular
-from nocturne_scene.photometry.ies import BadPhotometryError
+from nocturne_scene.photometry.intensities import BadPhotometryError
 from rich.table import Table
 
 from nocturne_client.errors import NocturneClientError
