@@ -271,24 +271,6 @@ class Compiled:
         if luminaire.radiance.HasField("texture"):
             self.findings.lost(f"{place}.radiance", "a textured luminaire can't be exported")
 
-    def refuse_overlaps(self) -> None:
-        """Tell of bodies that may overlap: boundaries of other renderers must not."""
-        bodies = list(self.bodies())
-        known: dict[int, Array] = {}
-        boxes = np.empty((len(bodies), 2, 3))
-        for at, body in enumerate(bodies):
-            if id(body.surface) not in known:
-                known[id(body.surface)] = np.stack(self.bounds(body.surface, body.place), axis=1)
-            corners = np.stack(np.meshgrid(*known[id(body.surface)]), axis=-1).reshape(-1, 3)
-            placed = corners @ body.placement[:, :3].T + body.placement[:, 3]
-            boxes[at] = placed.min(axis=0), placed.max(axis=0)
-            low, high = np.maximum(boxes[at, 0], boxes[:at, 0]), np.minimum(boxes[at, 1], boxes[:at, 1])
-            for other in np.flatnonzero(np.all(high > low, axis=1)):
-                self.findings.lost(
-                    body.place,
-                    f"may overlap with {bodies[other].place}, and bodies that do can't be exported",
-                )
-
     def refuse_other_sensors(self) -> None:
         """Tell of what a sensor has that only ours have."""
         sensor = self.message.sensor
