@@ -58,12 +58,8 @@ class GivingWay:
             return ()
         pause = _LOOK_SECONDS if scheduler.outstanding < _MANY else _LONG_LOOK_SECONDS
         self._next_look = at.now + pause
-        held = self._state.fleet.held
         out = self._out()
-        at_work = {
-            owner: [job for job in jobs if any(entry in held for entry in job.entries)]
-            for owner, jobs in out.items()
-        }
+        at_work = {owner: [job for job in jobs if self._held(job)] for owner, jobs in out.items()}
         waiting = self._waiting(at, {owner for owner, jobs in at_work.items() if jobs}, not_wanted)
         ahead = []
         for owner in waiting:
@@ -110,20 +106,29 @@ class GivingWay:
         weights = {each: scheduler.weight_of(each) for each in {*at_work, owner}}
         for_weight = self._state.fleet.threads / sum(weights.values())
         beyond = {
-            each: len(keys) - max(1.0, for_weight * weights[each])
-            for each, keys in at_work.items()
-            if len(keys) > max(1.0, for_weight * weights[each])
+            each: threads - max(1.0, for_weight * weights[each])
+            for each, jobs in at_work.items()
+            if (threads := sum(len(self._held(job)) for job in jobs)) > max(1.0, for_weight * weights[each])
         }
         if not beyond:
             return
         other = max(beyond, key=lambda each: (beyond[each], each))
-        job = max(at_work[other], key=_order)
+        # A copy of a slow job before any job of which there is one.
+        job = max(at_work[other], key=lambda each: (len(self._held(each)) > 1, _order(each)))
         self._stopped_at = {each: when for each, when in self._stopped_at.items() if each in weights}
         self._stopped_at[owner] = at.now
         yield Log(
             INFO, f"{job.key} is stopped, and traced later: nothing of {owner or 'another owner'} is at work"
         )
-        yield Withdraw(tuple(self._taken_back([job])), stop=True)
+        if len(held := self._held(job)) > 1:
+            scheduler.uncopied(job.key, held[-1])
+            yield Withdraw(held[-1:], stop=True)
+        else:
+            yield Withdraw(tuple(self._taken_back([job])), stop=True)
+
+    def _held(self, job: _Out) -> tuple[bytes, ...]:
+        """Its entries that workers have."""
+        return tuple(entry for entry in job.entries if entry in self._state.fleet.held)
 
     def _taken_back(self, jobs: Iterable[_Out]) -> list[bytes]:
         """Entries of jobs that are to be published again, and cost their owners nothing until then."""

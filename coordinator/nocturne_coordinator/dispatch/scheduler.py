@@ -144,6 +144,10 @@ class Scheduler:
         """A job that is out is on the stream once more."""
         self._outstanding[key].entries.append(entry)
 
+    def uncopied(self, key: JobKey, entry: bytes) -> None:
+        """One of several entries of a job is to be taken off the stream."""
+        self._outstanding[key].entries.remove(entry)
+
     def received(self, key: JobKey, now: float) -> list[bytes]:
         """A job's result came and is usable; `completed` follows for what it completes. Gives copies to
         delete."""
