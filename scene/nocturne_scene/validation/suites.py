@@ -5,6 +5,7 @@ from nocturne_scene.validation import (
     colours,
     configuration_factors,
     enclosures,
+    films,
     interfaces,
     lamps,
     media,
@@ -17,6 +18,7 @@ SUITES = (
     Suite("factors", "Configuration factors", configuration_factors.scenes),
     Suite("enclosures", "Integrating spheres, cavities and furnaces", enclosures.scenes),
     Suite("glass", "Fresnel's faces and plates", interfaces.scenes),
+    Suite("films", "Thin films and coated panes", films.scenes),
     Suite("media", "Slabs, half spaces and layers of media", media.scenes),
     Suite("colours", "Standard illuminants and black bodies", colours.scenes),
 )
