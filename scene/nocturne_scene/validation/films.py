@@ -25,7 +25,7 @@ _EN410_MEASURED = "EN 410:2011, section 5.2, of numbers"
 
 _GLASS = 1.5168
 _MGF2: list[Layer] = [(1.38 + 0j, 550 / (4 * 1.38))]
-_MIRROR: list[Layer] = [(2.35, 58.5), (1.38, 99.6)] * 3 + [(2.35, 58.5)]
+_MIRROR: list[Layer] = [*[(2.35 + 0j, 58.5), (1.38, 99.6)] * 3, (2.35, 58.5)]
 _LOW_E: list[Layer] = [(2.0, 40.0), (0.06 + 3.6j, 12.0), (2.0, 35.0)]
 _STACKS: dict[str, list[Layer]] = {
     "MgF2": _MGF2,
