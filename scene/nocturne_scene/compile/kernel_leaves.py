@@ -1,11 +1,13 @@
 """Kernels that hold no other kernels, as messages."""
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from nocturne.v1 import scene_pb2
 
 from nocturne_scene.compile import spectra
+from nocturne_scene.compile.films import compile_glazing, compile_layers
 from nocturne_scene.compile.indices import AnyIndex, compile_complex, compile_index
 from nocturne_scene.compile.measured import compile_measured
 from nocturne_scene.compile.textures import Textures
@@ -15,6 +17,7 @@ from nocturne_scene.document.kernels import (
     Conductor,
     Dielectric,
     DiffuseTransmitter,
+    Glazing,
     Kernel,
     Lambertian,
     Measured,
@@ -28,6 +31,12 @@ from nocturne_scene.spectra import indices
 
 # Spectra are float32: the numbers 0.7 and 0.3 add up to a little more than 1.
 _ROUNDING = 1e-6
+
+
+# As worker/src/kernels/dielectric.h has it: indices closer than this are equal to rough boundaries.
+_NO_CONTRAST = 2e-5
+
+Side = Literal["front", "back"]
 
 
 @dataclass(frozen=True)
@@ -50,8 +59,9 @@ class Leaves:
         self._workspace = workspace
         self._textures = textures
 
-    def compile(self, kernel: Kernel) -> Leaf:
-        """Return the message of a kernel that holds no other; raises Unusable and its kin."""
+    def compile(self, kernel: Kernel, side: Side) -> Leaf:
+        """Return the message of a kernel that holds no other, for light on this side; raises Unusable and its
+        kin."""
         colour = self._textures.reflectance
         match kernel:
             case Lambertian():
@@ -60,16 +70,18 @@ class Leaves:
             case DiffuseTransmitter():
                 return Leaf(scene_pb2.Kernel(diffuse_transmitter=self._transmitter(kernel)))
             case Conductor():
-                return Leaf(scene_pb2.Kernel(conductor=self._conductor(kernel)))
+                return Leaf(self._metal(kernel))
             case Dielectric():
-                dielectric = scene_pb2.Dielectric(roughness=self._roughness(kernel))
-                return Leaf(scene_pb2.Kernel(dielectric=dielectric), self._interior(kernel))
+                return Leaf(self._boundary(kernel, side), self._interior(kernel))
             case ThinPane():
                 pane = scene_pb2.ThinPane(
                     index=self._index(kernel.index),
                     transmittance=self._workspace.reflectance(kernel.transmittance),
                 )
                 return Leaf(scene_pb2.Kernel(thin_pane=pane))
+            case Glazing():
+                glazing = compile_glazing(self._workspace, kernel, from_back=side == "back")
+                return Leaf(scene_pb2.Kernel(glazing=glazing))
             case CoatedDiffuse():
                 coated = scene_pb2.CoatedDiffuse(
                     index=self._index(kernel.index),
@@ -132,6 +144,35 @@ class Leaves:
             message.sheen.colour.CopyFrom(self._textures.reflectance(kernel.sheen, ".sheen"))
             message.sheen.roughness.CopyFrom(scalar(kernel.sheen_roughness, ".sheen_roughness"))
         return message
+
+    def _metal(self, kernel: Conductor) -> scene_pb2.Kernel:
+        conductor = self._conductor(kernel)
+        if not kernel.coating:
+            return scene_pb2.Kernel(conductor=conductor)
+        layers = compile_layers(self._workspace, kernel.coating, ".coating")
+        return scene_pb2.Kernel(
+            coated_conductor=scene_pb2.CoatedConductor(conductor=conductor, layers=layers)
+        )
+
+    def _boundary(self, kernel: Dielectric, side: Side) -> scene_pb2.Kernel:
+        dielectric = scene_pb2.Dielectric(roughness=self._roughness(kernel))
+        if not kernel.coating:
+            return scene_pb2.Kernel(dielectric=dielectric)
+        layers = compile_layers(self._workspace, kernel.coating, ".coating")
+        if side == "back":
+            layers.reverse()
+        polished = scene_pb2.Scalar(constant=0.0)
+        alphas = (dielectric.roughness.alpha_u, dielectric.roughness.alpha_v)
+        body = self._workspace.spectra.messages[self._index(kernel.index)]
+        if alphas != (polished, polished) and all(abs(n - 1) < _NO_CONTRAST for n in body.values):
+            raise Unusable(
+                "the body has the index of the air around it, where facets refract nothing; expected another "
+                "index, or roughness 0 below a coating",
+                ".index",
+            )
+        return scene_pb2.Kernel(
+            coated_dielectric=scene_pb2.CoatedDielectric(dielectric=dielectric, layers=layers)
+        )
 
     def _conductor(self, kernel: Conductor) -> scene_pb2.Conductor:
         try:

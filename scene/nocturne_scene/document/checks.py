@@ -2,11 +2,13 @@
 
 from collections.abc import Iterator
 
+from nocturne_scene.document.films import MeasuredPane, Pane, SheetPane
 from nocturne_scene.document.graph_checks import group_problems, kernel_graph_problems
 from nocturne_scene.document.kernels import (
     CoatedDiffuse,
     Dielectric,
     DiffuseTransmitter,
+    Glazing,
     Kernel,
     Lambertian,
     Phong,
@@ -107,6 +109,20 @@ def _reflectances(kernel: Kernel) -> list[tuple[str, Reference | ColourTexture]]
             return [("reflectance", kernel.reflectance), ("transmittance", kernel.transmittance)]
         case ThinPane():
             return [("transmittance", kernel.transmittance)]
+        case Glazing():
+            return [
+                each for index, pane in enumerate(kernel.panes) for each in _of_pane(pane, f"panes[{index}]")
+            ]
+    return []
+
+
+def _of_pane(pane: Pane, place: str) -> list[tuple[str, Reference | ColourTexture]]:
+    match pane:
+        case SheetPane():
+            return [(f"{place}.transmittance", pane.transmittance)]
+        case MeasuredPane():
+            fields = ("front_reflectance", "back_reflectance", "transmittance")
+            return [(f"{place}.{name}", getattr(pane, name)) for name in fields]
     return []
 
 
