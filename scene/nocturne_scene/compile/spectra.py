@@ -1,4 +1,5 @@
-"""Spectra of a scene document as the tracer's tables.
+"""Spectra of a scene document as the tracer's tables. One file, though long: each kind of spectrum
+becomes one message, and all that is done with these.
 
 The tracer samples wavelengths of the scene's range only, so tables are cut to it and the visible, by which
 they are scaled to a luminance, and lines outside are left out. `within` is that range.
