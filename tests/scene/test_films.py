@@ -167,3 +167,19 @@ def test_mistakes_are_told_with_their_places(
     with pytest.raises(InputError) as caught:
         surface_of(document, compiled, kernel)
     assert f"$.surfaces[0].kernel{told}" in str(caught.value)
+
+
+def test_panes_are_known_over_all_of_a_scene_s_wavelengths(
+    document: dict[str, Any], compiled: Compile
+) -> None:
+    document["wavelengths"] = {"first": 900, "last": 1700}
+    document["sensor"]["measures"] = "radiant"
+    clear = {name: {"table": [[900, value], [1700, value]]} for name, value in CLEAR.items()}
+    scene = surface_of(document, compiled, {"type": "glazing", "panes": [clear]})
+    sheet = sides(scene)[0].glazing.panes[0].sheet
+    n, inside = (np.array(scene.spectra[each].values) for each in (sheet.index, sheet.transmittance))
+    through, back = plate(n.max(), 0.0, -np.log(inside.min()))
+    assert (through, back) == pytest.approx((0.899, 0.083), abs=1e-6)
+    bright = clear | {"transmittance": {"table": [[900, 0.8], [1700, 0.95]]}}
+    with pytest.raises(InputError, match="add up to 1.033 at 1700 nm"):
+        surface_of(document, compiled, {"type": "glazing", "panes": [bright]})

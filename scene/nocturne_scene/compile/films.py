@@ -13,7 +13,7 @@ from nocturne_scene.document.films import FilmLayer, FilmPane, MeasuredPane, Pan
 from nocturne_scene.document.indices import ComplexIndex
 from nocturne_scene.document.kernels import Glazing
 from nocturne_scene.spectra import indices
-from nocturne_scene.spectra.published import Floats, visible_wavelengths
+from nocturne_scene.spectra.published import Floats
 
 # Spectra are float32: the numbers 0.7 and 0.3 add up to a little more than 1.
 _ROUNDING = 1e-6
@@ -82,13 +82,13 @@ def _measured(workspace: Workspace, pane: MeasuredPane, place: str) -> scene_pb2
         workspace.reflectance(reference)
         for reference in (pane.front_reflectance, pane.back_reflectance, pane.transmittance)
     )
-    pool, visible = workspace.spectra.messages, visible_wavelengths()
+    pool, seen = workspace.spectra.messages, workspace.wavelengths.grid()
     for name, reflected in (("front_reflectance", front), ("back_reflectance", back)):
-        total = spectra.evaluate(pool[reflected], visible) + spectra.evaluate(pool[through], visible)
+        total = spectra.evaluate(pool[reflected], seen) + spectra.evaluate(pool[through], seen)
         if np.any(total > 1 + _ROUNDING):
             worst = int(np.argmax(total))
             raise Unusable(
-                f"reflectance and transmittance add up to {total[worst]:.6g} at {visible[worst]:g} nm; "
+                f"reflectance and transmittance add up to {total[worst]:.6g} at {seen[worst]:g} nm; "
                 "expected at most 1",
                 f"{place}.{name}",
             )
@@ -101,7 +101,7 @@ def _measured(workspace: Workspace, pane: MeasuredPane, place: str) -> scene_pb2
             reflected, passed = (spectra.evaluate(pool[each], wavelengths) for each in (front, through))
             return bare_sheet(reflected, passed)[part]
 
-        return workspace.spectra.index_of(indices.compile_curve(curve))
+        return workspace.spectra.index_of(indices.compile_curve(curve, workspace.wavelengths))
 
     return scene_pb2.Glazing.Pane(sheet=scene_pb2.Glazing.Sheet(index=of_sheet(0), transmittance=of_sheet(1)))
 
