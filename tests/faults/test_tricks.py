@@ -38,6 +38,13 @@ def test_another_owners_small_render_ends_within_seconds_whatever_one_owner_does
                 time.sleep(1.0)
         waits.sort()
         median, most = waits[len(waits) // 2], waits[-1]
-        note("P16", seed=seed, renders=len(waits), median_s=median, most_s=most, tricks=mallory.done)
+        note(
+            "P16",
+            seed=seed,
+            renders=len(waits),
+            median_s=median,
+            most_s=most,
+            tricks=sum(mallory.done.values()),
+        )
         print(f"{len(waits)} renders, median {median:.2f} s, most {waits[-5:]} s; {mallory.done}")  # noqa: T201
         assert most <= _MOST_S

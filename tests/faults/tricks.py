@@ -106,7 +106,8 @@ class Trickster:
         for render in renders:
             client.post(f"/v1/renders/{render}:cancel")
 
-    def creates_that_leave(self, _: httpx.Client) -> None:
+    def creates_that_leave(self, client: httpx.Client) -> None:
+        del client
         with grpc.insecure_channel(self._grpc) as channel:
             stub = render_service_pb2_grpc.RenderServiceStub(channel)
             for _ in range(8):
