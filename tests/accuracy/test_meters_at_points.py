@@ -67,10 +67,12 @@ def test_a_small_lamp(tmp_path: Path) -> None:
 
 
 def test_an_even_light(tmp_path: Path) -> None:
-    """pi L for all bodies, and the fluence rate is 4 pi L; the same within a white room that emits."""
+    """pi L for all bodies, and the fluence rate is 4 pi L."""
+    far = surface(sphere([0, 0, 1000.0], 0.001), BLACK)
     found = _read(
         {
             "sensor": _all_bodies([0, 0, 0]),
+            "surfaces": [far],
             "environment": {"radiance": {"illuminant": "D65", "luminance": 100.0}},
         },
         tmp_path,
