@@ -9,7 +9,7 @@ from nocturne_scene.blobs import BlobStore
 from nocturne_scene.compile import spectra
 from nocturne_scene.compile.compiler import compile_scene
 from nocturne_scene.document.read import check_document
-from nocturne_scene.document.spectra import BlackbodySpectrum, SolarSpectrum
+from nocturne_scene.document.spectra import BlackbodySpectrum, RgbSpectrum, SolarSpectrum
 from nocturne_scene.errors import InputError
 from nocturne_scene.media import presets, rayleigh
 from nocturne_scene.quantities import quantity_named, quantity_of
@@ -300,3 +300,15 @@ def test_watts_are_those_of_the_range(compiled: Compile) -> None:
     seen = next(line for line in emitted.lines if line.centre_nm < 300)
     # A sphere of 1 m: 20 W over pi and its area.
     assert seen.power == pytest.approx(20 / (math.pi * 4 * math.pi), rel=1e-6)
+
+
+def test_a_colour_is_held_beyond_the_visible(blobs: BlobStore) -> None:
+    """Its formula would go to 0 or 1: fog that only scatters, and rooms that light never leaves."""
+    wide = spectra.reflectance(RgbSpectrum(rgb=(0.24, 0.11, 0.19)), ALL)
+    usual = spectra.reflectance(RgbSpectrum(rgb=(0.24, 0.11, 0.19)))
+    assert spectra.evaluate(wide, VISIBLE.grid()).tolist() == list(usual.values)
+    ends = spectra.evaluate(wide, np.array([200.0, 2500.0]))
+    assert ends.tolist() == [usual.values[0], usual.values[-1]]
+    document = meter(ALL, 1.0)
+    document["surfaces"][0]["kernel"]["reflectance"] = {"rgb": [0.24, 0.11, 0.19]}
+    assert sentences(document, blobs)[0].endswith("the values at its ends are held beyond")

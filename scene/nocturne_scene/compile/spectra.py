@@ -325,12 +325,13 @@ def _lines(spectrum: LineSpectrum, within: WavelengthRange) -> _Sampled:
 
 
 def _rgb(spectrum: RgbSpectrum, outside: Outside, within: WavelengthRange) -> _Sampled:
-    """The smooth spectrum of a colour, by its formula at all wavelengths; as radiance times D65, which is
-    there from 360 to 830 nm."""
+    """The smooth spectrum of a colour, held beyond 360 to 830 nm, where its formula goes to 0 or 1: in a room
+    that reflects all, light never ends. As radiance times D65, which is there from 360 to 830 nm."""
     rgb = np.array(spectrum.rgb)
     if outside == "hold":
         coefficients = rgb_spectra.rgb_to_coefficients(rgb)
-        values = rgb_spectra.spectra_of(coefficients.astype(np.float64), within.grid())
+        at = np.clip(within.grid(), VISIBLE.first, VISIBLE.last)
+        values = rgb_spectra.spectra_of(coefficients.astype(np.float64), at)
         return _Sampled(within.first, STEP, values, zero_outside=False)
     scale, coefficients = rgb_spectra.emission(rgb)
     shape = rgb_spectra.spectra_of(coefficients.astype(np.float64), visible_wavelengths())

@@ -81,7 +81,7 @@ def _known(steps: _Steps, value: object) -> Iterator[tuple[_Ends, str, str]]:
             wavelengths, _ = published.chart_patch(value.chart_patch)
             yield (float(wavelengths[0]), float(wavelengths[-1])), "a patch of the chart", _HELD
         case RgbSpectrum():
-            yield usual, "a colour", _beyond(steps, held=_CONTINUED)
+            yield usual, "a colour", _beyond(steps)
         case ColourTexture():
             yield usual, "a texture in colour", "the formulas of its colours are continued beyond"
         case IlluminantSpectrum() if value.illuminant not in ("A", "E"):
@@ -107,12 +107,12 @@ def _known(steps: _Steps, value: object) -> Iterator[tuple[_Ends, str, str]]:
         yield media_presets.OZONE_ENDS, "ozone", "there is none beyond"
 
 
-def _beyond(steps: _Steps, held: str = _HELD) -> str:
+def _beyond(steps: _Steps) -> str:
     if _LIGHTS.intersection(steps):
         return _DARK
     if steps[0] == "spectra":
-        return f"{held}, or {_DARK} where it is light"
-    return held
+        return f"{_HELD}, or {_DARK} where it is light"
+    return _HELD
 
 
 def _of_index(name: str) -> Iterator[tuple[_Ends, str, str]]:
