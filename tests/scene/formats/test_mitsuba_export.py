@@ -85,6 +85,15 @@ def test_a_black_sky_where_light_passes_surfaces_straight(tmp_path: Path) -> Non
         ({"type": "diffuse_transmitter", "reflectance": 0.5, "transmittance": 0.5}, "diffuse_transmitter"),
         ({"type": "thin_pane", "index": 1.5, "transmittance": 0.5}, "a pane that absorbs"),
         (
+            {"type": "conductor", "index": "Ag", "coating": [{"index": 1.5, "thickness_nm": 90}]},
+            "a coating has no equal in Mitsuba",
+        ),
+        (
+            {"type": "dielectric", "index": 1.5, "coating": [{"index": 1.38, "thickness_nm": 90}]},
+            "a coating has no equal in Mitsuba",
+        ),
+        ({"type": "glazing", "panes": [{"index": 1.5}]}, "the kernel glazing has no equal in Mitsuba"),
+        (
             {
                 "type": "mask",
                 "kernel": {
