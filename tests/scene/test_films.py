@@ -181,5 +181,5 @@ def test_panes_are_known_over_all_of_a_scene_s_wavelengths(
     through, back = plate(n.max(), 0.0, -np.log(inside.min()))
     assert (through, back) == pytest.approx((0.899, 0.083), abs=1e-6)
     bright = clear | {"transmittance": {"table": [[900, 0.8], [1700, 0.95]]}}
-    with pytest.raises(InputError, match="add up to 1.033 at 1700 nm"):
+    with pytest.raises(InputError, match=r"add up to 1\.033 at 1700 nm"):
         surface_of(document, compiled, {"type": "glazing", "panes": [bright]})
