@@ -1,4 +1,7 @@
-"""Sensors as written in a scene document: cameras and meters."""
+"""Sensors as written in a scene document: cameras and meters.
+
+Long: all that a sensor may be, which readers look up in one place.
+"""
 
 from typing import Annotated, Literal, Self
 
