@@ -84,15 +84,7 @@ class RunningRender:
         self._contributors: dict[int, set[str]] = {}
         self._since = now
         self._invalid_samples = [0] * len(self.film.queues)
-        for tile in tiles:
-            own = tile.own or tile.sums
-            self.film.load(tile.tile_index, tile.samples, own, tile.error_before, tile.photons)
-            self._invalid_samples[tile.tile_index] = tile.invalid_samples
-        self.film.loaded()
-        for tile_index in self.failed_tiles:
-            self.film.give_up(tile_index)
-        self.totals.ranges = sum(queue.merged for queue in self.film.queues)
-        self.totals.photons = self.film.traced_samples * self.planned.photons_per_sample
+        self._load(tiles)
         self._job_seconds = job_seconds
         self._longest: dict[bool, int] = {}
         """Samples to which ranges of tiles are to be cut, and bundles to which those of forward photons."""
@@ -102,6 +94,17 @@ class RunningRender:
         """Results whose forward photons are merged and not committed yet: that is a whole film."""
         # The first one sooner: somebody may be waiting to see that it is the right scene.
         self._next_photon_commit = now + photon_commit_seconds(self.planned.pixels) / 4
+
+    def _load(self, tiles: Iterable[TileRow]) -> None:
+        for tile in tiles:
+            own = tile.own or tile.sums
+            self.film.load(tile.tile_index, tile.samples, own, tile.error_before, tile.photons)
+            self._invalid_samples[tile.tile_index] = tile.invalid_samples
+        self.film.loaded()
+        for tile_index in self.failed_tiles:
+            self.film.give_up(tile_index)
+        self.totals.ranges = sum(queue.merged for queue in self.film.queues)
+        self.totals.photons = self.film.traced_samples * self.planned.photons_per_sample
 
     @property
     def id(self) -> str:
