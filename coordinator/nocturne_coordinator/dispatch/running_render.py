@@ -41,6 +41,9 @@ _HISTORY_STEP = 1.01
 class RunningRender:
     """The film and totals of one render in memory."""
 
+    is_alone = False
+    """In a process of its own: nothing else waits while its error is found."""
+
     def __init__(
         self,
         row: OpenRender,
@@ -68,8 +71,6 @@ class RunningRender:
         """Of the error, at the last preview."""
         self._before = self._now = RangeEnd()
         self._judged_photons = 0
-        self.finds_errors = self.planned.pixels <= MAX_LOOKED_AT_PIXELS
-        """Itself; else they are told by `judged`."""
         self.next_preview = 0.0
         self.next_figures = 0.0
         self.pictured_photons = 0
@@ -109,6 +110,11 @@ class RunningRender:
     @property
     def id(self) -> str:
         return self.planned.id
+
+    @property
+    def finds_errors(self) -> bool:
+        """Whether it does so itself; else they are told by `judged`."""
+        return self.is_alone or self.planned.pixels <= MAX_LOOKED_AT_PIXELS
 
     def take_layers(self, row: OpenRender) -> None:
         """Takes over what its row says now of layers."""
