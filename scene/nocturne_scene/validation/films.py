@@ -118,13 +118,10 @@ def _mean(values: Floats) -> float:
 
 
 def _written(layers: list[Layer]) -> list[Document]:
-    return [
-        {
-            "index": {"n": complex(index).real, "k": complex(index).imag} if complex(index).imag else index,
-            "thickness_nm": thickness,
-        }
-        for index, thickness in layers
-    ]
+    def index(n: complex) -> float | Document:
+        return {"n": n.real, "k": n.imag} if n.imag else n.real
+
+    return [{"index": index(complex(n)), "thickness_nm": thickness} for n, thickness in layers]
 
 
 def _body(layers: list[Layer], half_edge: float = 1e3) -> Document:
