@@ -162,7 +162,7 @@ def _sensor(draft: Draft, film: tuple[int, int], *, room: bool) -> Document:
             return sensors.film(draft, far=far)
         case 3:
             return sensors.intensity(draft, PLACES[0], RADIUS + 0.05)
-        case 4 if draft.chance.maybe(0.5):
+        case 4 if room:
             return sensors.meters(draft, *film)
     return sensors.camera(draft)
 

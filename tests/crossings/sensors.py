@@ -126,10 +126,10 @@ def _reading(draft: Draft) -> Document:
         made["responses"] = {"eye": coefficient(draft, 0.5), "flat": 1.0}
     if chance.maybe(0.15):
         made["bands"] = {"first": 400, "last": 700, "width": chance.pick([50, 100])}
-    if chance.maybe(0.05):
-        made["colour"] = True
     if chance.maybe(0.15):
         made["light_parts"] = chance.maybe(0.9)
     if chance.maybe(0.3):
         made["wavelengths"] = chance.pick(["response", "uniform"])
+    if made.get("wavelengths") == "uniform":
+        made["colour"] = True
     return made
