@@ -100,7 +100,7 @@ def _polygons(shape: Document) -> list[list[Channel]]:
         corner, u, v = (np.array(shape[name], dtype=float) for name in ("corner", "edge_u", "edge_v"))
         return [[corner, corner + u, corner + u + v, corner + v]]
     low, high = (np.array(shape[name], dtype=float) for name in ("minimum", "maximum"))
-    faces = []
+    faces: list[list[Channel]] = []
     for axis in range(3):
         u, v = (np.eye(3)[other] * (high - low) for other in range(3) if other != axis)
         corners = (low, low + np.eye(3)[axis] * (high - low))
