@@ -90,6 +90,8 @@ def meters(draft: Draft, width: int, height: int) -> Document:
         if chance.maybe(0.5):
             more["outdoor"] = "above"
     sensor: Document = {"type": "meters", "instruments": instruments}
+    if body == "plane":
+        more["colour"] = True
     return sensor | more | _reading(draft) | _moving(draft, corner)
 
 
