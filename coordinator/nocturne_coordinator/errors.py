@@ -27,6 +27,7 @@ NocturneError
 
 import shutil
 import tempfile
+from contextlib import suppress
 from pathlib import Path
 from typing import Self
 
@@ -90,9 +91,14 @@ class UnusableFolder(NocturneError):
     @classmethod
     def because(cls, folder: Path, trouble: Exception) -> Self:
         """What the system or SQLite says that passes: no rights, no space, another file in its place."""
-        temporary = Path(tempfile.gettempdir())
-        if "full" in str(trouble) and _free(temporary) < _ROOM <= _free(folder):
-            return cls(f"{temporary} is full, where temporary files go ({trouble}): make room, or set TMPDIR")
+        if "full" in str(trouble) and _free(folder) >= _ROOM:
+            # Python refuses to name a folder that it can't write to.
+            with suppress(FileNotFoundError):
+                temporary = Path(tempfile.gettempdir())
+                if _free(temporary) < _ROOM:
+                    return cls(
+                        f"{temporary} is full, where temporary files go ({trouble}): make room, or set TMPDIR"
+                    )
         return cls(f"{folder} can't be used ({trouble}); see to its rights and to the space on its disk")
 
 

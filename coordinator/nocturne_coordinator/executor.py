@@ -50,8 +50,6 @@ class Executor:
                 return self._dispatcher.publish(instruction.jobs)
             case do.Withdraw():
                 self._dispatcher.withdraw(instruction.entries, instruction.stop)
-            case do.TakeBack():
-                return self._dispatcher.take_back(instruction.entries)
             case do.Acknowledge():
                 self._dispatcher.acknowledge(instruction.entries)
             case do.TakeUpStreams():

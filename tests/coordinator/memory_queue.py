@@ -238,8 +238,6 @@ class Worker:
         self._started = clock.moment().unix
         self._job: tuple[bytes, bytes] | None = None
         self._done_at = 0.0
-        self.seconds: Callable[[bytes], float] = lambda _: self.delay
-        """That a job takes."""
         self.next_at = clock.now
         clock.workers.append(self)
 
@@ -282,10 +280,7 @@ class Worker:
             if any(self._queue.without_jobs.get(name, 0.0) > now for name in names):
                 return
             self._job = self._queue.take(self.name, self._lease)
-            self._done_at = now + self.seconds(self._job[1]) if self._job else 0.0
-        elif self._job[0] in self._queue.stopped:
-            self._queue.complete(self._job[0], [])
-            self._job = None
+            self._done_at = now + self.delay
         elif now >= self._done_at:
             self._finish(*self._job)
         if self._job is not None:

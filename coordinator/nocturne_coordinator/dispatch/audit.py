@@ -181,16 +181,6 @@ class Auditor:
         self._ask_again(key, audit)
         return entries
 
-    def taken_back(self, key: JobKey) -> list[bytes]:
-        """The same of one that gives way to other jobs, as often as that may be."""
-        self._open[key].asks -= 1
-        return self.returned(key)
-
-    @property
-    def out(self) -> dict[JobKey, Published]:
-        """The audits on the stream."""
-        return {key: audit.published for key, audit in self._open.items() if audit.published}
-
     def lost(self) -> None:
         """The stream was emptied."""
         for key in [key for key, audit in self._open.items() if audit.published]:

@@ -1,6 +1,5 @@
 """The workers as they were last seen, and which of them take jobs. Pure."""
 
-import math
 from collections import Counter
 from collections.abc import Collection, Mapping
 
@@ -23,10 +22,6 @@ class Fleet:
         """Workers that are to take no jobs, though the jobs they finish count, and why."""
         self.incompatible: Mapping[str, str] = {}
         """Workers that are to take no jobs though they are not in quarantine, and why."""
-        self.looked_at = -math.inf
-        """When workers and their jobs were looked at."""
-        self.held: Collection[bytes] = ()
-        """The entries that workers had then."""
         self.threads = 0
         """Of all workers that take jobs."""
         self.votes_by_profile: Mapping[str, int] = {}

@@ -58,13 +58,6 @@ class Withdraw(Instruction):
 
 
 @dataclass(frozen=True, slots=True)
-class TakeBack(Instruction):
-    """Take jobs off the stream at once that no worker has. Answer: the entries of those."""
-
-    entries: tuple[bytes, ...]
-
-
-@dataclass(frozen=True, slots=True)
 class Acknowledge(Instruction):
     """Delete results, soon: their sums are committed, or are of no use."""
 

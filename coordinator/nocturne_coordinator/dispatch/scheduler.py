@@ -4,9 +4,8 @@ Kept here: for each running render the state of every range (`RangeState`), and 
 out. One file, though long: each event changes both, so the events stand together.
 """
 
-import math
 from collections import deque
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence, Set
+from collections.abc import Callable, Collection, Iterable, Sequence, Set
 from dataclasses import dataclass
 from statistics import median
 from typing import NamedTuple
@@ -34,9 +33,6 @@ SLOW_FACTOR = 3.0
 
 _REMEMBERED_TIMES = 101
 
-_AHEAD = 4
-"""Jobs of an owner that go before all others' at once: a small render, all of it."""
-
 
 class JobKey(NamedTuple):
     """One range of one queue of one render."""
@@ -53,12 +49,11 @@ class JobKey(NamedTuple):
 
 @dataclass(slots=True)
 class Published:
-    """A job on the stream: its entries there, copies last, when the first was put there (any clock, seconds),
-    and as which of all jobs."""
+    """A job on the stream: its entries there, copies last, and when the first was put there (any clock,
+    seconds)."""
 
     entries: list[bytes]
     at: float
-    number: int = 0
 
 
 class Scheduler:
@@ -72,9 +67,6 @@ class Scheduler:
         self._owners: dict[str, FairShare] = {}
         self._outstanding: dict[JobKey, Published] = {}
         self._times: deque[float] = deque(maxlen=_REMEMBERED_TIMES)
-        self._published = 0
-        self._last_results: dict[str, float] = {}
-        """By owner, when the last result came."""
 
     # --- events ---
 
@@ -137,23 +129,17 @@ class Scheduler:
         """A job is on the stream, by us now or by an earlier run."""
         if self.state_of(key) is RangeState.PLANNED:
             self._move(key, RangeState.PUBLISHED)
-        self._published += 1
-        self._outstanding[key] = Published([entry], now, self._published)
+        self._outstanding[key] = Published([entry], now)
 
     def copied(self, key: JobKey, entry: bytes) -> None:
         """A job that is out is on the stream once more."""
         self._outstanding[key].entries.append(entry)
-
-    def uncopied(self, key: JobKey, entry: bytes) -> None:
-        """One of several entries of a job is to be taken off the stream."""
-        self._outstanding[key].entries.remove(entry)
 
     def received(self, key: JobKey, now: float) -> list[bytes]:
         """A job's result came and is usable; `completed` follows for what it completes. Gives copies to
         delete."""
         if self.state_of(key) not in (RangeState.PLANNED, RangeState.PUBLISHED):
             return []
-        self._last_results[self.owner_of(key.render_id)] = now
         if key in self._outstanding:
             self._times.append(now - self._outstanding[key].at)
         entries = self._move(key, RangeState.HELD)
@@ -186,11 +172,6 @@ class Scheduler:
         is_out = self.state_of(key) is RangeState.PUBLISHED
         return self._move(key, RangeState.PLANNED) if is_out else []
 
-    def taken_back(self, key: JobKey) -> list[bytes]:
-        """The same of a job that gives way: it has cost its render nothing by now."""
-        self.charge(key.render_id, -self._queues[key.render_id].cost(key.tile_index, key.range_index))
-        return self.returned(key)
-
     def charge(self, render_id: str, cost: float) -> None:
         """A render has cost that much for nothing, in the unit of `cost`: the others come before it for as
         long."""
@@ -221,42 +202,10 @@ class Scheduler:
         """Jobs on the stream."""
         return len(self._outstanding)
 
-    @property
-    def out(self) -> Mapping[JobKey, Published]:
-        """The jobs on the stream."""
-        return self._outstanding
-
-    @property
-    def owners(self) -> Set[str]:
-        """Of running renders, and some that had more than their share."""
-        return self._owners.keys()
-
-    def owner_of(self, render_id: str) -> str:
-        """Of a running render."""
-        return self._queues[render_id].owner
-
-    def weight_of(self, owner: str) -> float:
-        """An owner's, of those in `owners`."""
-        return self._owners[owner].weight
-
-    def last_result(self, owner: str) -> float:
-        """When a result of the owner's came; long ago where none has."""
-        return self._last_results.get(owner, -math.inf)
-
-    def owners_with_jobs(self, but: Collection[str]) -> set[str]:
-        """Who has jobs on the stream, or to be put there, of other renders than these."""
-        render_ids = {key.render_id for key in self._outstanding}
-        return {
-            queue.owner
-            for render_id, queue in self._queues.items()
-            if render_id not in but and (render_id in render_ids or queue.ready)
-        }
-
-    def take(self, count: int, but: Collection[str] = (), ahead: Collection[str] = ()) -> list[JobKey]:
+    def take(self, count: int, but: Collection[str] = ()) -> list[JobKey]:
         """Up to `count` jobs to publish, shared by weight; `published` must follow, or `returned`.
 
-        `but`: renders that are left out, as nobody is there who could work on them. `ahead`: owners of whom
-        some jobs go before all others'.
+        `but`: renders that are left out, as nobody is there who could work on them.
 
         Where there is no room, and most ranges in flight wait for earlier ones, the earlier ones are given
         out, whatever the count: nothing else would ever make room.
@@ -265,12 +214,8 @@ class Scheduler:
             return self._waited_for() if self.in_flight > 2 * len(self._outstanding) else []
         jobs: list[JobKey] = []
         able = {render_id: queue for render_id, queue in self._queues.items() if render_id not in but}
-        first = dict.fromkeys(ahead, _AHEAD)
         while len(jobs) < count and able:
-            render_id, queue = min(
-                able.items(), key=lambda item: (not first.get(item[1].owner), self._start(item))
-            )
-            first[queue.owner] = max(0, first.get(queue.owner, 0) - 1)
+            render_id, queue = min(able.items(), key=self._start)
             key = self._next_of(render_id)
             if key is None:
                 del able[render_id]

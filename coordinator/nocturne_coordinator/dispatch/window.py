@@ -8,7 +8,6 @@ from nocturne.v1 import job_pb2
 
 from nocturne_coordinator import limits
 from nocturne_coordinator.dispatch.events import JobsFound, Moment, WorkersSeen
-from nocturne_coordinator.dispatch.giving_way import GivingWay
 from nocturne_coordinator.dispatch.instructions import (
     INFO,
     WARNING,
@@ -42,7 +41,6 @@ class Window:
     def __init__(self, state: State) -> None:
         self._state = state
         self._next_overdue = 0.0
-        self._giving_way = GivingWay(state)
 
     @property
     def size(self) -> int:
@@ -54,7 +52,6 @@ class Window:
     def workers_seen(self, event: WorkersSeen) -> Steps[None]:
         """Notes who is there, and who died with a job in hand."""
         state, fleet = self._state, self._state.fleet
-        fleet.looked_at, fleet.held = event.at.now, {holder.entry for holder in event.holders}
         for worker, reason in fleet.seen(event.workers).items():
             yield Log(WARNING, f"worker={worker} gets no jobs: {reason}")
         signs = {row.id: Sign(row.started, event.left_ms[row.id]) for row in event.workers}
@@ -102,11 +99,7 @@ class Window:
         if self._state.fleet.threads and at.now >= self._next_overdue:
             yield from self._return_overdue(at)
         scheduler, threads = self._state.scheduler, self._state.fleet.threads
-        not_wanted = self._not_wanted()
-        ahead = yield from self._giving_way.make_way(at, not_wanted)
-        # Who waits for others' jobs does not wait for room behind them.
-        room = max(self.size - scheduler.in_flight, len(ahead))
-        keys = scheduler.take(min(room, _MAX_PUBLISH), not_wanted, ahead)
+        keys = scheduler.take(min(self.size - scheduler.in_flight, _MAX_PUBLISH), self._not_wanted())
         try:
             entries = yield from self._publish(keys)
         except QueueError:

@@ -23,9 +23,6 @@ from nocturne_coordinator.queue.worker_status import worker_row
 _log = logging.getLogger(__name__)
 
 _ATTEND_SECONDS = 1.0
-_AFTER_TAKING_BACK_SECONDS = 0.25
-"""When workers are looked at next, where somebody waits for one."""
-
 _WORKERS_SHARE = 0.05
 _WORKERS_SECONDS = 4.0
 """Part of all time that looking at workers may take, and the longest between two looks: a status that is not
@@ -105,15 +102,6 @@ class Dispatcher:
         self._jobs_done.extend(jobs)
         if stop:
             self._jobs_stopped.extend(jobs)
-
-    def take_back(self, jobs: tuple[bytes, ...]) -> tuple[bytes, ...]:
-        """Takes those off the stream at once that no worker has, and gives them; QueueError."""
-        held = {holder.entry for holder in self._queue.holders()}
-        free = tuple(entry for entry in jobs if entry not in held)
-        self._queue.delete_jobs(list(free))
-        soon = self._clock.moment().now + _AFTER_TAKING_BACK_SECONDS
-        self._next_attend, self._next_workers = min(soon, self._next_attend), min(soon, self._next_workers)
-        return free
 
     def leave(self) -> None:
         """Deletes entries that are to be deleted, and gives the lease on Redis back."""
