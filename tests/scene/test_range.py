@@ -312,3 +312,11 @@ def test_a_colour_is_held_beyond_the_visible(blobs: BlobStore) -> None:
     document = meter(ALL, 1.0)
     document["surfaces"][0]["kernel"]["reflectance"] = {"rgb": [0.24, 0.11, 0.19]}
     assert sentences(document, blobs)[0].endswith("the values at its ends are held beyond")
+
+
+def test_light_between_two_whole_nm_is_light(compiled: Compile) -> None:
+    peak = {"table": [[587.51, 0.0], [587.56, 1.0], [587.61, 0.0]], "outside": "zero"}
+    assert compiled(meter(None, peak)).HasField("environment")
+    dark = {"table": [[850.2, 0.0], [850.4, 1.0], [850.6, 0.0]], "outside": "zero"}
+    with pytest.raises(InputError, match="no luminaire emits visible light"):
+        compiled(meter(None, dark))

@@ -206,7 +206,10 @@ def is_dark(message: scene_pb2.Spectrum, within: WavelengthRange) -> bool:
     if is_black(message):
         return True
     lit = any(line.power and line_spectra.is_within(line, within) for line in message.lines)
-    return not lit and not np.any(_table_at(message, within.grid()))
+    # A table may shine between two whole nm.
+    own = message.first_nm + message.step_nm * np.arange(len(message.values))
+    at = np.concatenate([within.grid(), own[(own >= within.first) & (own <= within.last)]])
+    return not lit and not np.any(_table_at(message, at))
 
 
 def _factor(wanted: float, found: float) -> float:
