@@ -49,10 +49,11 @@ test("glare is asked for of panoramas alone, of which the service rates it", () 
 test("sources of glare are marked where they are on a panorama", () => {
   const source = { luminance: 1e4, solid_angle: Math.PI * (Math.PI / 18) ** 2, position_index: 1, azimuth_degrees: 90, elevation_degrees: 0 };
   const [mark] = glareMarks({ sources: [source] }, { width: 360, height: 180 });
-  const xs = mark!.points.map(([x = 0]) => x);
-  const ys = mark!.points.map(([, y = 0]) => y);
+  assert.ok(mark);
+  const xs = mark.points.map(([x = 0]) => x);
+  const ys = mark.points.map(([, y = 0]) => y);
   // A circle of ten degrees around the point a quarter to the right.
   assert.deepEqual([Math.min(...xs), Math.max(...xs)].map(Math.round), [260, 280]);
   assert.deepEqual([Math.min(...ys), Math.max(...ys)].map(Math.round), [80, 100]);
-  assert.equal(mark!.name, "1");
+  assert.equal(mark.name, "1");
 });

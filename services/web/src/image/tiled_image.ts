@@ -66,9 +66,7 @@ export class TiledImage {
       }
     }
     if (pixels === 0) return undefined;
-    // One by one: a film may have more tiles than a call may have arguments.
-    let [fewest, most] = [Infinity, 0];
-    for (const { samples } of seen) [fewest, most] = [Math.min(fewest, samples), Math.max(most, samples)];
+    const [fewest, most] = fewestAndMost(seen);
     return {
       region,
       xyz: [sumX / pixels, sumY / pixels, sumZ / pixels],
@@ -126,4 +124,11 @@ export function tiledImageOf({ width, height, tileSize, tiles }: TileAnswer): Ti
   const image = new TiledImage(width, height, tileSize);
   for (const tile of tiles) image.put(tile);
   return image;
+}
+
+/** Samples of tiles, one by one: a film may have more tiles than a call may have arguments. */
+function fewestAndMost(tiles: Iterable<Tile>): [number, number] {
+  let [fewest, most] = [Infinity, 0];
+  for (const { samples } of tiles) [fewest, most] = [Math.min(fewest, samples), Math.max(most, samples)];
+  return [fewest, most];
 }

@@ -151,10 +151,7 @@ function assemble(canvas: HTMLCanvasElement, node: HTMLElement, frame: HTMLEleme
     viewer,
     inspector: numbers,
     learned,
-    measure: (now) => {
-      const { measured: before } = viewer.look;
-      if (before.unit !== now.unit || before.mean !== now.mean) viewer.change({ measured: now });
-    },
+    measure: (now) => { measureAs(viewer, now); },
     begin: (image) => {
       try {
         hasImage = true;
@@ -168,6 +165,12 @@ function assemble(canvas: HTMLCanvasElement, node: HTMLElement, frame: HTMLEleme
       }
     },
   };
+}
+
+/** Changes what is shown where it is another quantity, or its mean is known. */
+function measureAs(viewer: Viewer, now: Measured): void {
+  const { measured: before } = viewer.look;
+  if (before.unit !== now.unit || before.mean !== now.mean) viewer.change({ measured: now });
 }
 
 /** What should look white: the chosen region, or the pixel looked at. */
