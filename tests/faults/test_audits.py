@@ -36,6 +36,16 @@ def test_a_worker_that_contradicts_itself_is_faulty(seconds: tuple[str, str]) ->
     assert auditor.mismatches == 1
 
 
+def test_a_job_that_was_done_again_while_nobody_else_was_there_is_audited_once() -> None:
+    """L6: of what was asked for twice one would be left when the render is let go."""
+    auditor = audited("a", RIGHT, "a")
+    auditor.again(KEY, "a", RIGHT, {"a"})
+    assert auditor.take(9) == []
+    auditor.look(lambda _: {"a", "b"})
+    assert auditor.forget(KEY.render_id) == []
+    assert auditor.take(9) == []
+
+
 def test_a_worker_does_not_confirm_itself() -> None:
     """L6: nor does asking it for ever."""
     auditor = audited("a", RIGHT, "a", "b")
