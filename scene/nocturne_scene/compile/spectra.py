@@ -143,13 +143,17 @@ def evaluate(message: scene_pb2.Spectrum, wavelengths: NDArray[np.float64]) -> N
     return _table_at(message, wavelengths) + line_spectra.values_at(message.lines, wavelengths)
 
 
+def knots_of(message: scene_pb2.Spectrum) -> NDArray[np.float64]:
+    """Return where a compiled spectrum's table has its values, nm."""
+    return np.asarray(message.first_nm + message.step_nm * np.arange(len(message.values)), dtype=np.float64)
+
+
 def _table_at(message: scene_pb2.Spectrum, wavelengths: NDArray[np.float64]) -> NDArray[np.float64]:
     values = np.asarray(message.values, dtype=np.float64)
     if len(values) == 1:
         return np.full(wavelengths.shape, values[0])
-    knots = message.first_nm + message.step_nm * np.arange(len(values))
     end = 0.0 if message.zero_outside else None
-    return np.interp(wavelengths, knots, values, left=end, right=end)
+    return np.interp(wavelengths, knots_of(message), values, left=end, right=end)
 
 
 def scaled_to_luminance(message: scene_pb2.Spectrum, wanted: float) -> scene_pb2.Spectrum:
@@ -207,7 +211,7 @@ def is_dark(message: scene_pb2.Spectrum, within: WavelengthRange) -> bool:
         return True
     lit = any(line.power and line_spectra.is_within(line, within) for line in message.lines)
     # A table may shine between two whole nm.
-    own = message.first_nm + message.step_nm * np.arange(len(message.values))
+    own = knots_of(message)
     at = np.concatenate([within.grid(), own[(own >= within.first) & (own <= within.last)]])
     return not lit and not np.any(_table_at(message, at))
 
