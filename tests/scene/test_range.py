@@ -108,6 +108,17 @@ def test_a_response_without_any_of_the_range_is_refused(compiled: Compile) -> No
         compiled(meter(NIR, 1.0, measures="erythemal"))
 
 
+def test_responses_to_colour_are_of_the_range(compiled: Compile) -> None:
+    """Each has its integral over the default range's grid, which has the same step."""
+    wide = compiled(meter(ALL, 1.0, colour=True)).sensor.further_responses
+    visible = compiled(meter(None, 1.0, colour=True)).sensor.further_responses
+    assert {len(each.values) for each in wide} == {len(ALL.grid())}
+    assert [each.name for each in wide] == [each.name for each in visible]
+    np.testing.assert_allclose([sum(each.values) for each in wide], [sum(each.values) for each in visible])
+    with pytest.raises(InputError, match="380 to 780 nm"):
+        compiled(meter(UV, 1.0, colour=True, measures="radiant"))
+
+
 def test_a_lamp_without_light_in_the_range_is_left_out(compiled: Compile) -> None:
     document = meter(UV, {"lines": [{"nm": 546.1, "power": 1}]}, measures="radiant")
     with pytest.raises(InputError, match="no luminaire emits light from 280 to 400 nm"):

@@ -76,7 +76,7 @@ def compile_sensor(workspace: Workspace, film: Film | None = None) -> scene_pb2.
             *(_response(workspace, name) for name in sorted(sensor.responses)),
             *_named_responses(sensor.named_responses, within),
             *_band_responses(sensor.bands, within),
-            *(_colour_responses() if sensor.colour else ()),
+            *(_colour_responses(within) if sensor.colour else ()),
             *(_part_responses(response) if sensor.light_parts else ()),
         ],
         model=_MODELS[sensor.type],
@@ -144,9 +144,11 @@ def _band_responses(bands: Bands | None, within: WavelengthRange) -> Iterator[sc
         yield scene_pb2.Response(name=band_name(0.5 * (start + end)), values=values.tolist())
 
 
-def _colour_responses() -> Iterator[scene_pb2.Response]:
-    wavelengths = published.visible_wavelengths()
+def _colour_responses(within: WavelengthRange) -> Iterator[scene_pb2.Response]:
     first, last = published.COLOUR_RANGE
+    if within.first > first or within.last < last:
+        raise Unusable(f"colour is of {first:g} to {last:g} nm, and the scene of {within}", ".colour")
+    wavelengths = within.grid()
     values = np.zeros((len(wavelengths), colour_basis.COUNT))
     values[(wavelengths >= first) & (wavelengths <= last)] = colour_basis.responses()
     for name, of_one in zip(COLOUR, values.T, strict=True):
