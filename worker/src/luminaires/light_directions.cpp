@@ -112,7 +112,12 @@ std::optional<Environment::Draft> LightDirections::begin_light(const LightSampli
   if (!environment_ || choice < luminaires_share_ || choice >= luminaires_share_ + sky_share_) {
     return std::nullopt;
   }
-  const float left = stretched(choice, luminaires_share_, sky_share_) * sky_irradiance(from);
+  float of_sky = stretched(choice, luminaires_share_, sky_share_);
+  if (from.visible_sky != VisibleSky::kNone) {
+    if (of_sky < VisibleSky::kPart) return std::nullopt;
+    of_sky = stretched(of_sky, VisibleSky::kPart, 1.0f - VisibleSky::kPart);
+  }
+  const float left = of_sky * sky_irradiance(from);
   if (!(left < environment_irradiance())) return std::nullopt;
   return environment_->begin(from, u1, u2);
 }
@@ -183,6 +188,13 @@ std::optional<Vec3> LightDirections::sample_sky(const LightSamplingContext& from
                                                 float u1, float u2, FromEnvironment& drawn) const {
   const float around = environment_irradiance(), total = sky_irradiance(from);
   if (!(total > 0.0f)) return std::nullopt;
+  if (from.visible_sky != VisibleSky::kNone) {
+    if (choice < VisibleSky::kPart) {
+      const Vec3 direction = visible_sky_.sample(from.visible_sky, u1, u2);
+      return from.sees(direction) ? std::optional(direction) : std::nullopt;
+    }
+    choice = stretched(choice, VisibleSky::kPart, 1.0f - VisibleSky::kPart);
+  }
   float left = choice * total;
   if (left < around) {
     drawn = environment_->draw(from, stretched(left, 0.0f, around), u1, u2);
@@ -218,7 +230,11 @@ float LightDirections::sky_pdf(const LightSamplingContext& from, Vec3 direction,
     total += irradiance;
     if (irradiance > 0.0f) sum += irradiance * disc.pdf(direction);
   }
-  return total > 0.0f ? sum / total : 0.0f;
+  if (!(total > 0.0f)) return 0.0f;
+  sum /= total;
+  if (from.visible_sky == VisibleSky::kNone) return sum;
+  const float visible = visible_sky_.pdf(from.visible_sky, direction);
+  return VisibleSky::kPart * visible + (1.0f - VisibleSky::kPart) * sum;
 }
 
 }  // namespace nocturne
