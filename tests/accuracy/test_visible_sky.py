@@ -66,7 +66,7 @@ def _room(*surfaces: Document, **given: Any) -> Document:
 SCENES = {
     "sky": _room(),
     "even sky": _room(environment={"radiance": 1.0}),
-    "sky and Sun": _room(distant_discs=[_SUN]),
+    "sky and Sun": _room(distant=[_SUN]),
     "pane": _room(_PANE),
     "haze": _room(_HAZE, media={"haze": {"scattering": 0.05, "absorption": 0.02}}),
     "curtain": _room(_CURTAIN),

@@ -149,7 +149,7 @@ def open_ways(
     if (
         tracing.guide == "auto"
         and connects
-        and asked.direction != "forward"
+        and tracing.direction != "forward"
         and scene.HasField("environment")
     ):
         names.append(SKY)

@@ -83,7 +83,8 @@ class LightDirections {
   void set_learned(LearnedLight learned) { learned_ = std::move(learned); }
   const LearnedLight& learned() const { return learned_; }
 
-  /// VisibleSky::kPart of the directions to the sky are drawn from it, where a context has a cell.
+  /// VisibleSky::kPart of the directions to the environment are drawn from it, where a context has
+  /// a cell.
   void set_visible_sky(VisibleSky sky) { visible_sky_ = std::move(sky); }
   const VisibleSky& visible_sky() const { return visible_sky_; }
 
@@ -110,6 +111,10 @@ class LightDirections {
                 const FromEnvironment& drawn = {}) const;
   float declared_pdf(const LightSamplingContext& from, Vec3 direction, const SkyPlace& place) const;
   float environment_irradiance() const;
+  // Part of the directions to the environment that is drawn from the visible sky.
+  static float known_sky(const LightSamplingContext& from) {
+    return from.visible_sky == VisibleSky::kNone ? 0.0f : VisibleSky::kPart;
+  }
   // And that of discs.
   float sky_irradiance(const LightSamplingContext& from) const;
 

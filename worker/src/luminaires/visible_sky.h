@@ -30,10 +30,9 @@ class VisibleSky {
   };
   static constexpr std::uint32_t kNone = ~0u;
   static constexpr std::size_t kMaxSightings = 1u << 16;
-  /// Part of the directions to the sky that is drawn from here. By 0.5, 0.6 and 0.8 the living room
-  /// of bench/real had 1.42, 1.5 and 1.55 times the efficiency of 0; the rest limits the variance
-  /// where what was learned is wrong to 1 / (1 - kPart) of what it was.
-  static constexpr float kPart = 0.6f;
+  /// Part of the directions to the environment that is drawn from here; the rest limits the
+  /// variance where what was learned is wrong to 1 / (1 - kPart) of what it was.
+  static constexpr float kPart = 0.5f;
 
   VisibleSky() = default;
   explicit VisibleSky(const std::vector<Sighting>& sightings);

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "luminaires/visible_sky.h"
-#include "math/constants.h"
 #include "tracer/batch.h"
 #include "tracer/both_directions/near_ends.h"
 #include "tracer/vertex/power_heuristic.h"
@@ -180,8 +179,8 @@ class RadianceEstimator {
     add(group.tally, found, meets_direct_light(group));
   }
 
-  // Of what meets the sky by either technique; of what the light there is worth, as much as the
-  // density towards lights leaves to another one of about 1/pi.
+  // Of what meets the sky by either technique. Where the density towards lights is high already, as
+  // at a bright Sun, another one is worth less.
   void keep_sighting(const BatchSample<N>& sample, const Group<N>& group) {
     const LightSamplingContext& from = group.mis.context;
     const auto& environment = scene_.lights.environment();
@@ -190,12 +189,14 @@ class RadianceEstimator {
     const float kernel = sum(group.mis.kernel_pdf) / N,
                 lights = scene_.lights.pdf(from, {direction, group.mis.drawn_pdf}),
                 radiance = sum(environment->radiance(group.ray.direction, sample.wavelengths)) / N,
-                worth = radiance * dot(from.normal, direction) / (kernel + lights) /
-                        (lights + 1.0f / kPi);
+                worth =
+                    radiance * dot(from.normal, direction) / (kernel + lights) / (lights + kHigh);
     if (!(worth > 0.0f) || !std::isfinite(worth)) return;
     sightings_->all.push_back(VisibleSky::sighting(from.position, from.normal, direction, worth));
     if (group.mis.technique == MisTechnique::kLights) ++sightings_->free;
   }
+
+  static constexpr float kHigh = 2.0f;  // 1/sr
 
   const Scene& scene_;
   const bool tells_parts_;

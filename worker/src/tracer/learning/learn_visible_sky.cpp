@@ -49,7 +49,7 @@ FilmLine trace_line(const Scene& scene, Film film, std::uint32_t y, std::uint32_
 }  // namespace
 
 LearnedSky learn_visible_sky(Scene& scene, Film film, double samples, unsigned threads) {
-  if (!scene.lights.environment() || scene.options.direction == Direction::kForward) return {};
+  if (!scene.lights.environment()) return {};
   const TracingOptions before = scene.options;
   const bool occlusion = scene.occlusion_decides;
   scene.options.direction = Direction::kAdjoint;
