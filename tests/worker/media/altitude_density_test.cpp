@@ -184,6 +184,30 @@ TEST(AltitudeMajorants, EndBesideTheStartOfARayThatLeavesAllLayers) {
   }
 }
 
+// Where a distance to the end of all layers is rounded down, what lies beyond is empty all the
+// same: flights out of the topmost layer had its bound without end.
+TEST(AltitudeMajorants, EndWhereRaysLeaveAllLayers) {
+  const auto layers = AltitudeDensity::table({{0.2, 0.1, 0.0}, {0.0, 1.0, 0.0}, 0.0},
+                                             {-0.5, 0.3, 1.0, 3.3}, {0.0f, 1.0f, 0.4f, 0.0f});
+  const auto round =
+      AltitudeDensity::table(kPlanet, {-0.5, 0.3, 1.0, 3.3}, {0.5f, 1.0f, 0.4f, 0.2f});
+  for (std::uint32_t i = 0; i < 20'000; ++i) {
+    const auto u = test::media_numbers(i, 7), v = test::media_numbers(i, 8);
+    const Ray ray{{4.0f * v[0] - 2.0f, 4.0f * v[1] - 2.0f, 4.0f * v[2] - 2.0f},
+                  UniformSphere::sample(u[0], u[1])};
+    const auto bounded = [&](const AltitudeDensity& density) {
+      double all = 0.0, from = 0.0;
+      for (const MajorantSegment& s : test::segments(density, ray, kForever)) {
+        if (s.majorant > 0.0f) all += static_cast<double>(s.end) - from;
+        from = static_cast<double>(s.end);
+      }
+      return all;
+    };
+    ASSERT_LT(bounded(layers) * std::fabs(static_cast<double>(ray.direction.y)), 3.9) << i;
+    ASSERT_LT(bounded(round), 2e4) << i;
+  }
+}
+
 // Where the lowest layer begins at height 0, nothing is rounded there: a ray that fell from its
 // edge had the layer's bound without end, and took all tentative collisions that there may be.
 TEST(AltitudeMajorants, EndWhereARayFallsFromTheLowestEdge) {

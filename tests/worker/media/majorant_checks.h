@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -51,7 +53,7 @@ void expect_bounds_hold(const Density& density, const Ray& ray, float end, std::
     const float to = std::min(s.end, 1e30f);
     for (int k = 0; k < in_each; ++k) {
       const float u = media_numbers(i++, seed)[0];
-      float t = from + u * (to - from);
+      float t = std::min(from + u * (to - from), std::nextafter(to, from));
       if (k == 0) t = from;
       if (k == 1) t = std::nextafter(to, from);
       if (k == 2) t = from + 1e-5f * u * (to - from);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -18,6 +19,14 @@ constexpr float kRoundedUp = 1.000001f;
 constexpr std::size_t kMaxKnots = 10'000, kMaxLayers = 64;
 
 [[noreturn]] void refuse(const std::string& what) { throw std::invalid_argument(what); }
+
+// A segment begins where its layer does, or after that, never before.
+float rounded_up(double x) {
+  const auto nearest = static_cast<float>(x);
+  return static_cast<double>(nearest) < x
+             ? std::nextafter(nearest, std::numeric_limits<float>::infinity())
+             : nearest;
+}
 
 bool finite(Double3 v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
@@ -149,20 +158,6 @@ float AltitudeDensity::at(double altitude) const {
   return static_cast<float>(low + t * (static_cast<double>(densities_[i]) - low));
 }
 
-float AltitudeDensity::majorant_between(double low, double high) const {
-  if (scale_height_ > 0.0) return at(low) * kRoundedUp;
-  // A ray that leaves an edge has left the layer on the other side; one that is level is in both.
-  const bool level = low == high;
-  const auto first =
-      level ? std::ranges::lower_bound(edges_, low) : std::ranges::upper_bound(edges_, low);
-  auto i = static_cast<std::size_t>(first - edges_.begin());
-  float majorant = majorant_[i];
-  const auto reaches = [&](double edge) { return edge < high || (edge == high && level); };
-  for (; i < edges_.size() && reaches(edges_[i]); ++i)
-    majorant = std::max(majorant, majorant_[i + 1]);
-  return majorant;
-}
-
 AltitudeMajorants::AltitudeMajorants(const AltitudeDensity& density, const Ray& ray, float end)
     : density_(&density), altitude_(density.ground_, ray.origin, ray.direction), end_(end) {
   const auto above = std::ranges::upper_bound(density.edges_, altitude_(0.0));
@@ -171,42 +166,42 @@ AltitudeMajorants::AltitudeMajorants(const AltitudeDensity& density, const Ray& 
 
 bool AltitudeMajorants::advance(MajorantSegment& segment) {
   if (!(at_ < end_)) return false;
-  const float to = way_out();
-  segment = {to, majorant_between(at_, to)};
+  // Layers that end before `at_` are thinner than distances are rounded: no position lies in them.
+  std::size_t layer = layer_;
+  double out = way_out();
+  while (out <= static_cast<double>(at_)) {
+    layer = layer_;
+    out = way_out();
+  }
+  const float to = out < static_cast<double>(end_) ? std::min(end_, rounded_up(out)) : end_;
+  segment = {to, majorant_between(layer, at_, to)};
   at_ = to;
   return true;
 }
 
-// Out of the layer; on to the next one.
-float AltitudeMajorants::way_out() {
+// Where the ray leaves its layer; it is in the next one then, if it ever leaves.
+double AltitudeMajorants::way_out() {
   const std::vector<double>& edges = density_->edges_;
-  for (;;) {
-    double out = AltitudeAlong::kNever;
-    std::size_t next = layer_;
-    if (!rising_) {
-      if (layer_ > 0) out = altitude_.falls_to(edges[layer_ - 1]);
-      if (out == AltitudeAlong::kNever) {
-        rising_ = true;
-        continue;
-      }
-      next = layer_ - 1;
-    } else if (layer_ < edges.size()) {
-      out = altitude_.rises_to(edges[layer_]);
-      next = layer_ + 1;
+  if (!rising_) {
+    const double out = layer_ > 0 ? altitude_.falls_to(edges[layer_ - 1]) : AltitudeAlong::kNever;
+    if (out != AltitudeAlong::kNever) {
+      --layer_;
+      return out;
     }
-    if (!(out < static_cast<double>(end_))) return end_;
-    layer_ = next;
-    // Layers that are thinner than distances are rounded are left together.
-    if (static_cast<float>(out) > at_) return std::min(static_cast<float>(out), end_);
+    rising_ = true;
   }
+  const double out =
+      layer_ < edges.size() ? altitude_.rises_to(edges[layer_]) : AltitudeAlong::kNever;
+  if (out != AltitudeAlong::kNever) ++layer_;
+  return out;
 }
 
-float AltitudeMajorants::majorant_between(float from, float to) const {
+float AltitudeMajorants::majorant_between(std::size_t layer, float from, float to) const {
+  if (!(density_->scale_height_ > 0.0)) return density_->majorant_[layer];
   constexpr double kFar = 1e18;
   const double t0 = static_cast<double>(from), t1 = std::fmin(static_cast<double>(to), kFar);
-  const double middle = std::clamp(altitude_.lowest(), t0, std::fmax(t0, t1));
-  const double h0 = altitude_(t0), h1 = altitude_(t1);
-  return density_->majorant_between(std::min({h0, altitude_(middle), h1}), std::max(h0, h1));
+  const double lowest = std::clamp(altitude_.lowest(), t0, std::fmax(t0, t1));
+  return density_->at(std::min({altitude_(t0), altitude_(lowest), altitude_(t1)})) * kRoundedUp;
 }
 
 }  // namespace nocturne

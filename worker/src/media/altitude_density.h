@@ -33,7 +33,6 @@ class AltitudeDensity {
   explicit AltitudeDensity(const Ground& ground);
   void add_layer(float majorant, double upper_edge);
   void add_space_above();
-  float majorant_between(double low, double high) const;
   std::vector<std::size_t> layers_of_table(double tolerance) const;
 
   Ground ground_;
@@ -63,8 +62,8 @@ class AltitudeMajorants {
 
  private:
   bool advance(MajorantSegment& segment);
-  float way_out();
-  float majorant_between(float from, float to) const;
+  double way_out();
+  float majorant_between(std::size_t layer, float from, float to) const;
 
   const AltitudeDensity* density_;
   AltitudeAlong altitude_;
