@@ -62,7 +62,8 @@ class Endings:
 
     def _audits_are_done(self, render: RunningRender, now: float) -> bool:
         """Whether no audit of the render is open, or none that others than the audited worker could
-        settle."""
+        settle. Where all others are at long jobs it waits no longer than it ran, but for what is disputed.
+        """
         state = self._state
         if not state.auditor.pending(render.id):
             return True
@@ -72,7 +73,8 @@ class Endings:
         witnesses = 3 if state.auditor.disputed(render.id) else 2
         if len(live) < witnesses:
             return now >= state.audits_end.setdefault(render.id, now + _LONELY_SECONDS)
-        return now >= state.audits_end.setdefault(render.id, now + MAX_WAIT)
+        longest = MAX_WAIT if witnesses > 2 else max(_LONELY_SECONDS, render.ran_seconds(now))
+        return now >= state.audits_end.setdefault(render.id, now + min(MAX_WAIT, longest))
 
     def _end_failed(self) -> Steps[None]:
         failed = self._state.failed
