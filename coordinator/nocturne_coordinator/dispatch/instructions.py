@@ -46,6 +46,8 @@ class Publish(Instruction):
 
     keys: tuple[JobKey, ...]
     jobs: tuple[bytes, ...]
+    quick: bool = False
+    """They are copies, for the stream of quick jobs."""
 
 
 @dataclass(frozen=True, slots=True)

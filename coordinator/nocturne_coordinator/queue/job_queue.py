@@ -160,13 +160,17 @@ class JobQueue:
         later one of the same folder has it.
         """
         ours = self._renew(session)
+        # From the first entry on: when the group was lost, all on the stream is to be given out again.
+        for stream in (keys.JOBS, keys.QUICK_JOBS):
+            self._make_group(stream)
+        return ours
+
+    def _make_group(self, stream: str) -> None:
         try:
-            # From the first entry on: when the group was lost, all on the stream is to be given out again.
-            self._client.xgroup_create(keys.JOBS, keys.WORKERS_GROUP, id=FIRST, mkstream=True)
+            self._client.xgroup_create(stream, keys.WORKERS_GROUP, id=FIRST, mkstream=True)
         except redis.ResponseError as error:
             if not str(error).startswith("BUSYGROUP"):
                 raise
-        return ours
 
     def _renew(self, session: Session) -> bool:
         """Compares and sets in one transaction, so that of two who find the lease free one gets it."""
@@ -210,28 +214,31 @@ class JobQueue:
                 pipeline.execute()
 
     @_queue_errors
-    def publish(self, jobs: Iterable[bytes]) -> list[bytes]:
-        """Adds jobs; gives their entries."""
+    def publish(self, jobs: Iterable[bytes], quick: bool = False) -> list[bytes]:
+        """Adds jobs, or quick copies of jobs; gives their entries."""
+        stream, name = (keys.QUICK_JOBS, "0-*") if quick else (keys.JOBS, "*")
         pipeline = self._client.pipeline(transaction=False)
         for job in jobs:
             lease = {keys.LEASE_FIELD: self.guard.lease(job)} if self.guard else {}
-            pipeline.xadd(keys.JOBS, {keys.JOB_FIELD: job, **lease})
+            pipeline.xadd(stream, {keys.JOB_FIELD: job, **lease}, id=name)
         return cast(list[bytes], pipeline.execute())
 
     @_queue_errors
     def jobs(self) -> list[Entry]:
-        """All jobs on the stream: waiting or being worked on."""
+        """All jobs on both streams: waiting or being worked on."""
         found: list[Entry] = []
-        start = FIRST
-        while batch := self._client.xrange(keys.JOBS, min=start, count=_CHUNK):
-            found.extend(_entry(entry, fields, keys.JOB_FIELD) for entry, fields in batch)
-            start = b"(" + batch[-1][0]
+        for stream in (keys.JOBS, keys.QUICK_JOBS):
+            start = FIRST
+            while batch := self._client.xrange(stream, min=start, count=_CHUNK):
+                found.extend(_entry(entry, fields, keys.JOB_FIELD) for entry, fields in batch)
+                start = b"(" + batch[-1][0]
         return found
 
     @_queue_errors
     def delete_jobs(self, entries: list[bytes]) -> None:
         """Takes jobs off the stream; who works on one may finish it."""
-        self._delete(keys.JOBS, entries)
+        self._delete(keys.JOBS, [entry for entry in entries if not keys.is_quick(entry)])
+        self._delete(keys.QUICK_JOBS, [entry for entry in entries if keys.is_quick(entry)])
 
     @_queue_errors
     def stop_jobs(self, entries: list[bytes]) -> None:
@@ -253,7 +260,7 @@ class JobQueue:
 
     @_queue_errors
     def jobs_waiting(self) -> int:
-        """Jobs on the stream, those that somebody works on included."""
+        """Jobs on the stream, those that somebody works on included, without quick copies."""
         return int(self._client.xlen(keys.JOBS))
 
     @_queue_errors
@@ -290,10 +297,11 @@ class JobQueue:
     def holders(self) -> list[Holder]:
         """Who works on what."""
         found: list[Holder] = []
-        start = b"-"
-        while batch := self._client.xpending_range(keys.JOBS, keys.WORKERS_GROUP, start, b"+", _CHUNK):
-            found.extend(Holder(each["message_id"], _worker_of(each["consumer"])) for each in batch)
-            start = b"(" + batch[-1]["message_id"]
+        for stream in (keys.JOBS, keys.QUICK_JOBS):
+            start = b"-"
+            while batch := self._client.xpending_range(stream, keys.WORKERS_GROUP, start, b"+", _CHUNK):
+                found.extend(Holder(each["message_id"], _worker_of(each["consumer"])) for each in batch)
+                start = b"(" + batch[-1]["message_id"]
         return found
 
     @_queue_errors

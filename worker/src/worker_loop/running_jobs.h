@@ -4,6 +4,7 @@
 #include <time.h>
 
 #include <atomic>
+#include <chrono>
 #include <mutex>
 #include <stop_token>
 #include <vector>
@@ -14,7 +15,7 @@ namespace nocturne {
 
 enum class StopReason {
   kNone,
-  /// It took more processor time than any job of its plan should.
+  /// It took more time than any job of its plan, or than a quick job, should.
   kTooLong,
   /// Nobody needs its result any more.
   kWithdrawn,
@@ -27,7 +28,8 @@ class RunningJobs;
 /// One job in the hands of the thread that made this, as long as this lives.
 class RunningJob {
  public:
-  RunningJob(RunningJobs& all, HeldJob held, double max_cpu_seconds);
+  /// `max_seconds`: of processor time while it is traced; of a `quick` job of time, from now on.
+  RunningJob(RunningJobs& all, HeldJob held, double max_seconds, bool quick = false);
   ~RunningJob();
   RunningJob(const RunningJob&) = delete;
   RunningJob& operator=(const RunningJob&) = delete;
@@ -48,7 +50,9 @@ class RunningJob {
 
   RunningJobs& all_;
   const HeldJob held_;
-  const double max_cpu_seconds_;
+  const double max_seconds_;
+  const bool quick_;
+  const std::chrono::steady_clock::time_point taken_ = std::chrono::steady_clock::now();
   clockid_t clock_{};
   // Of the thread's processor time; negative: not yet.
   std::atomic<double> begun_ = -1.0;
@@ -61,7 +65,7 @@ class RunningJobs {
  public:
   std::vector<HeldJob> list() const;
 
-  /// Stops those that took too much processor time.
+  /// Stops those that took too much time.
   void stop_too_long();
   /// Stops these.
   void stop_withdrawn(const std::vector<HeldJob>& jobs);
