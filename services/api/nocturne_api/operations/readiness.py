@@ -12,6 +12,7 @@ from nocturne_api.models.health import CHECKS, Check, CheckName
 from nocturne_api.models.health import Readiness as Found
 from nocturne_api.operations.folder_access import FolderAccess
 from nocturne_api.operations.renders import Renders
+from nocturne_api.operations.status_reason import coordinator_trouble
 
 
 class Readiness:
@@ -66,13 +67,4 @@ class Readiness:
 
     async def _merging(self) -> str:
         meters = await self._access.in_database(self._access.folder.meters.read)
-        silent = time.time() - meters.get("coordinator_seen", 0.0)
-        if "coordinator_seen" not in meters:
-            return "No coordinator works on the data folder."
-        if silent > limits.COORDINATOR_SILENT_S:
-            return f"The coordinator has written nothing for {silent:.0f} s."
-        if meters.get("folder_trouble"):
-            return "The coordinator can't write to the data folder; its log has the reason."
-        if not meters.get("redis_in_step"):
-            return "The coordinator can't reach Redis; its log has the reason."
-        return ""
+        return coordinator_trouble(meters, time.time(), limits.COORDINATOR_SILENT_S)
