@@ -23,14 +23,16 @@ from nocturne_scene.uncertainty import ImageMoments
 
 from nocturne_client import contract
 from nocturne_client.decoding import decode
-from nocturne_client.errors import NocturneClientError, Problem
+from nocturne_client.local.failures import client_errors
+
+_REFUSED = "the image can't be measured"
 
 
 def measure_file(
     image: Path, outlines: Sequence[contract.Outline], channel: str, bins: int, *, colour: bool = False
 ) -> contract.Measurements:
     """What parts of an image show, or all of it. Raises NocturneClientError."""
-    try:
+    with client_errors(_REFUSED):
         picture = read_picture(image)
         quantity, moments = _quantity(image), _moments(picture)
         if channel not in picture.names:
@@ -53,8 +55,6 @@ def measure_file(
             daylight = None if outdoor is None else measuring.daylight_factor(one, outdoor)
             histogram = _histogram(moments, outline, one, index, bins) if bins else None
             found.append(MeasuredOutline(text, outline, one, histogram, of_light, daylight))
-    except InputError as error:
-        raise _refused(error) from error
     return decode(contract.Measurements, plain_measurements(found, places, channel, name, unit))
 
 
@@ -64,25 +64,21 @@ def glare_of_file(
     """`view`: azimuth and elevation in degrees, and the luminance of what glares, if it is to go by that.
     Raises NocturneClientError."""
     eye = glare.View(*view)
-    try:
+    with client_errors(_REFUSED):
         moments = _moments(read_picture(image))
         quantity = _quantity(image)
         # Of other programs' images nothing is known; who asks for glare says that they are luminance.
         seen = quantity if quantity.name else LUMINANCE
         emission = _channel(image, *CHANNELS["emission"])
         found = glare.glare_of(moments, seen, cast("Projection", projection), eye, field_degrees, emission)
-    except InputError as error:
-        raise _refused(error) from error
     notes = (*_of_another_camera(projection, moments.samples.shape), *found.notes)
     return decode(contract.Glare, plain(replace(found, notes=notes)))
 
 
 def point_of_file(image: Path, azimuth_degrees: float) -> PointReading:
     """What the point of a panorama receives. Raises NocturneClientError."""
-    try:
+    with client_errors(_REFUSED):
         return point_reading(_moments(read_picture(image)), _quantity(image), azimuth_degrees)
-    except InputError as error:
-        raise _refused(error) from error
 
 
 def _of_another_camera(projection: str, shape: tuple[int, ...]) -> list[str]:
@@ -153,8 +149,3 @@ def _histogram(
 
 def _outline(outline: contract.Outline) -> Outline:
     return Outline(cast("Kind", outline.kind), tuple((x, y) for x, y in outline.points))
-
-
-def _refused(error: InputError) -> NocturneClientError:
-    problems = [Problem(each.place, each.message) for each in error.problems]
-    return NocturneClientError("the image can't be measured", problems=problems)
