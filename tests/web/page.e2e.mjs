@@ -592,7 +592,7 @@ const checks = {
     await type(page.getByLabel("Height, pixels"), "12");
     await type(page.getByLabel("Stop at a relative error of, %", { exact: true }), "20");
     await page.getByRole("button", { name: "Preflight" }).press("Enter");
-    const cells = (part) => page.locator(".preflight tr").filter({ has: page.getByText(part, { exact: true }) }).locator("td").allTextContents();
+    const cells = (part) => page.locator(".preflight tr").filter({ has: page.getByText(part, { exact: true }) }).locator("th, td").allTextContents();
     // It gives way to all else that the machine does.
     await page.getByText(/^Enough for 20 %: without medium "fog"/).waitFor({ timeout: 400_000 });
     const [, , , cost, verdict] = await cells('without medium "fog"');
