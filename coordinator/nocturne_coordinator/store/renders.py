@@ -163,10 +163,13 @@ class Renders:
 
     def get(self, render_id: str) -> RenderRow:
         """Raises NotFound."""
-        row = self._database.row(f"SELECT {_COLUMNS} FROM render WHERE id = ?", (render_id,))  # noqa: S608
+        return _render_row(self._row(render_id, _COLUMNS))
+
+    def _row(self, render_id: str, columns: str) -> sqlite3.Row:
+        row = self._database.row(f"SELECT {columns} FROM render WHERE id = ?", (render_id,))  # noqa: S608
         if row is None:
             raise NotFound(f"there is no render {render_id!r}")
-        return _render_row(row)
+        return row
 
     def find(self, start: str, owner: str | None = None) -> RenderRow:
         """The render with this id, or the one whose id begins so; of one owner only, or of all.
@@ -238,24 +241,15 @@ class Renders:
 
     def scene_document(self, render_id: str) -> str:
         """The JSON that was submitted; raises NotFound."""
-        row = self._database.row("SELECT scene_document FROM render WHERE id = ?", (render_id,))
-        if row is None:
-            raise NotFound(f"there is no render {render_id!r}")
-        return str(row["scene_document"])
+        return str(self._row(render_id, "scene_document")["scene_document"])
 
     def engine(self, render_id: str) -> int:
         """Version of the tracing engine that the render was made for; raises NotFound."""
-        row = self._database.row("SELECT engine FROM render WHERE id = ?", (render_id,))
-        if row is None:
-            raise NotFound(f"there is no render {render_id!r}")
-        return int(row["engine"])
+        return int(self._row(render_id, "engine")["engine"])
 
     def schedule(self, render_id: str) -> job_pb2.RangeSchedule:
         """Raises NotFound."""
-        row = self._database.row("SELECT schedule FROM render WHERE id = ?", (render_id,))
-        if row is None:
-            raise NotFound(f"there is no render {render_id!r}")
-        return job_pb2.RangeSchedule.FromString(row["schedule"])
+        return job_pb2.RangeSchedule.FromString(self._row(render_id, "schedule")["schedule"])
 
     def error_history(self, render_id: str) -> list[ErrorPoint]:
         """One point per preview, oldest first; raises NotFound."""

@@ -240,8 +240,7 @@ class Client:
 
     def cancel(self, render_id: str, request_id: str | None = None) -> Render:
         """Stops a render; its merged samples stay."""
-        body = {"request_id": request_id or str(uuid.uuid4())}
-        return decode(Render, self._transport.post(f"/v1/renders/{_part(render_id)}:cancel", body))
+        return self._act(render_id, "cancel", {"request_id": request_id or str(uuid.uuid4())})
 
     def delete(self, render_id: str) -> None:
         """Forgets a render that has ended, with its images and the files that no other render uses."""
@@ -279,8 +278,7 @@ class Client:
 
     def replay(self, render_id: str, request_id: str | None = None) -> Render:
         """A new render with the samples per tile that this one has: its image has the same bits."""
-        body = {"request_id": request_id or str(uuid.uuid4())}
-        return decode(Render, self._transport.post(f"/v1/renders/{_part(render_id)}:replay", body))
+        return self._act(render_id, "replay", {"request_id": request_id or str(uuid.uuid4())})
 
     def baselines(self, render_id: str) -> Sequence[Render]:
         """Renders of the same scene and film by other engines, the newest of each."""
