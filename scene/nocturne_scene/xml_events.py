@@ -10,7 +10,7 @@ from xml.parsers.expat import ExpatError, ParserCreate, errors
 
 
 class XmlError(Exception):
-    """What is no XML, or may be harmful."""
+    """A file is no XML, or may be harmful."""
 
     def __init__(self, line: int, message: str) -> None:
         super().__init__(message)

@@ -187,7 +187,7 @@ def test_one_whose_pictures_fail_keeps_nobody_elses(
 def test_a_process_that_fails_is_tried_again_and_others_go_on(
     folder: DataFolder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """As where memory is short: of one owner one at a time, and of others beside."""
+    """As where memory is short: of one owner one at a time, and of other owners at once."""
     monkeypatch.setattr("nocturne_coordinator.output.pictures._SHORTEST_PAUSE", 0.1)
     ledger = Ledger(folder.database, Ownership(folder.root, folder.database))
     pictures = Previews(folder, ledger)

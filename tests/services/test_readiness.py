@@ -1,4 +1,4 @@
-"""/readyz tests what the service is for, and says what fails; a locked database is told of soon."""
+"""/readyz tests the service's functions, and names those that fail; a locked database is reported soon."""
 
 import asyncio
 import sqlite3

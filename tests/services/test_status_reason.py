@@ -109,7 +109,7 @@ def _metrics(text: str) -> dict[tuple[str, ...], float]:
 async def test_counters_do_not_fall(
     body: dict[str, Any], rest: httpx.AsyncClient, folder: DataFolder
 ) -> None:
-    """Whatever is deleted, or thrown away to be traced anew."""
+    """Whatever is deleted, or thrown away to be traced again."""
     render_id = (await rest.post("/v1/renders", json=body)).json()["id"]
     folder.database.execute("UPDATE render SET photons_per_sample = 1")
     work = "UPDATE render SET photons = ?, rays = ?, cpu_seconds = ? WHERE id = ?"

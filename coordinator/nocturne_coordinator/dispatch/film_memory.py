@@ -15,7 +15,8 @@ def numbers_of(schedule: job_pb2.RangeSchedule) -> int:
 
 
 def max_numbers(memory: int) -> int:
-    """Numbers that an owner's renders may hold where nobody else has any; `memory` in bytes, 0: unknown."""
+    """Numbers that an owner's renders may hold where no other owner has any; `memory` in bytes, 0:
+    unknown."""
     of_memory = int(limits.SUMS_PART_OF_MEMORY * memory / _NUMBER_BYTES / 2)
     return min(limits.MAX_RUNNING_SUMS, of_memory) if memory else limits.MAX_RUNNING_SUMS
 

@@ -469,7 +469,7 @@ class RunningRender:
         return doubt_of(self.estimate)
 
     def judged(self, point: ErrorPoint, estimate: ErrorEstimate) -> tuple[ErrorPoint, bool]:
-        """The error was found elsewhere; gives the point as it is to be told, and whether for the history."""
+        """The error was found elsewhere; gives the point to report, and whether it is for the history."""
         self._took(estimate)
         point = replace(point, doubt=self.doubt)
         return point, self._is_for_history(point)

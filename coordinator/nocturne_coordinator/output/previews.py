@@ -64,7 +64,7 @@ class Previews:
 
     def finish_ended(self, unix_time: float) -> None:
         """Final images of renders that were cancelled or failed, from committed sums. One whose images can't
-        be made is tried again later, and keeps nobody else's."""
+        be made is tried again later, and delays no other render's."""
         for waiting in self._ledger.renders.ended_without_image():
             if self._is_apart(waiting):
                 self._finish_apart(waiting)

@@ -295,7 +295,8 @@ class Renders:
         return float(row["open"]) if row is not None else 0.0
 
     def counted(self) -> dict[str, float]:
-        """What was ever merged, and how renders ended: also of those that were deleted or traced anew."""
+        """All work that was ever merged, and ends of renders by state, those deleted or traced again
+        included."""
         rows = self._database.rows("SELECT name, value FROM counted")
         return {row["name"]: row["value"] for row in rows}
 

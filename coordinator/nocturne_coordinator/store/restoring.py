@@ -39,7 +39,7 @@ class Restored:
     database: Path | None = None
     """The checkpoint's that was taken; None: the folder's own is whole."""
     damage: list[str] = field(default_factory=list)
-    """What is wrong with the folder's own."""
+    """Damage of the folder's own database."""
     renders: int = 0
     open_ranges: int = 0
     """Planned and not committed, of renders that go on: the work traced when the service starts."""
@@ -50,7 +50,7 @@ class Restored:
 def restore(data: Path, source: Path | None = None) -> Restored:
     """Examines a data folder, and puts the newest whole checkpoint in the place of a damaged database.
 
-    `source`: where the checkpoints are, DATA/checkpoints unless given. What was damaged is kept beside it.
+    `source`: where the checkpoints are, DATA/checkpoints unless given. A damaged database is kept next to it.
     Nothing that is whole is ever replaced. Raises CantRestore, OSError, and AlreadyOwned while a coordinator
     has the folder.
     """

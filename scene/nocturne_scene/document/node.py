@@ -46,7 +46,7 @@ def problem_at(suffix: str, message: str) -> PydanticCustomError:
 
 
 def one_of_names(noun: str, names: Collection[str]) -> AfterValidator:
-    """Accepts these names alone; `noun`: what they are names of."""
+    """Accepts these names alone; `noun` names their kind."""
 
     def check(name: str) -> str:
         if name not in names:

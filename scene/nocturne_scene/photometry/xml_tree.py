@@ -60,7 +60,7 @@ def is_xml(data: bytes) -> bool:
 
 
 def parse(data: bytes) -> Element:
-    """The root. Raises BadPhotometryError for what is no XML or may be harmful."""
+    """The root. Raises BadPhotometryError for files that are no XML or may be harmful."""
     if len(data) > MAX_BYTES:
         raise BadPhotometryError(1, f"the file has {len(data)} bytes; at most {MAX_BYTES} are accepted")
     builder = _Builder()

@@ -144,7 +144,7 @@ class Client:
         `stop`: what else ends it, whichever comes first, of
         relative_error, tile_relative_error, wall_seconds, cpu_seconds, until ("07:00 Europe/Berlin").
         `changes` of the document: values by their places, such as `sensor.position[0]`.
-        `layers`: what the EXR is to tell of surfaces, of albedo, normal, depth, position, object, material,
+        `layers`: further channels of the EXR, of albedo, normal, depth, position, object, material,
         emission.
         Renders with the same `group` are one; `after`: a group that has to end before this render begins.
         `tags`: words to sort renders by. Submitting again with the same `request_id` gives the same render.
@@ -309,7 +309,7 @@ class Client:
         """Extremes, mean and uniformity of parts of the image, with their errors.
 
         Without outlines of those kept with the render; where there are none, of the whole film. `bins`: of a
-        histogram, between `bounds` or as the values are. `colour`: tell that of the light, where it is known.
+        histogram, between `bounds` or as the values are. `colour`: with that of the light, where it is known.
         """
         body = {
             "outlines": [asdict(outline) for outline in outlines],
@@ -440,7 +440,7 @@ class Client:
         return decode(Group, self._transport.get(f"/v1/groups/{_part(name)}"))
 
     def usage(self) -> Usage:
-        """Who uses what, and what it costs."""
+        """Use of the service by owner, with its cost."""
         return decode(Usage, self._transport.get("/v1/usage"))
 
     def list(self, limit: int = 50, group: str = "", tag: str = "", search: str = "") -> Sequence[Render]:

@@ -91,7 +91,7 @@ class PixelValue(Answer):
 
 
 class ColourValue(Answer):
-    """A number that tells of the colour of the light that arrives."""
+    """A number of the colour of the arriving light."""
 
     name: str = Field(description="Such as Ra, Rf, melanopic equivalent daylight illuminance.")
     value: float | None = Field(description="Null where the light has none.")
@@ -137,7 +137,7 @@ class Measurement(Answer):
     histogram: Histogram | None = Field(description="Where one was asked for.")
     colour: list[ColourValue] = Field(description="Of the light, where it was asked for and is known.")
     daylight_factor: DaylightFactor | None = Field(
-        description="Of meters whose sensor names what is outdoors."
+        description="Of meters whose sensor names an instrument outdoors."
     )
 
 
@@ -199,8 +199,8 @@ class Glare(Answer):
     sources: list[GlareSource] = Field(description="Of UGR; those that count most first.")
     dgp_sources: list[GlareSource] = Field(description="Of DGP; those that count most first.")
     notes: list[str] = Field(
-        description="What is outside of the range for which a formula was made, and what else makes a rating "
-        "uncertain."
+        description="Values outside of the range for which a formula was made, and other reasons that make a "
+        "rating uncertain."
     )
 
 

@@ -1,4 +1,4 @@
-"""Whether the service does what it is for: reads, writes, takes renders, and has somebody who merges."""
+"""Whether the service works: reads, writes, takes renders, and has a coordinator that merges."""
 
 import asyncio
 import sqlite3
@@ -16,7 +16,7 @@ from nocturne_api.operations.status_reason import coordinator_trouble
 
 
 class Readiness:
-    """What was found is kept for a moment: everybody may ask, as often as they like."""
+    """The answer is kept for a moment: everybody may ask, as often as they like."""
 
     def __init__(self, access: FolderAccess, renders: Renders) -> None:
         self._access = access
@@ -57,7 +57,7 @@ class Readiness:
         return ""
 
     async def _writing(self) -> str:
-        # In no thread of the database: those may be what does not answer.
+        # In no thread of the database: those may be the ones that don't answer.
         await asyncio.to_thread(self._access.folder.database.check_writing, limits.READY_WAIT_S)
         return ""
 

@@ -196,7 +196,7 @@ class Renders:
             )
 
     def _check_quota(self, first: Member, renders: int, owner: str, quota: Quota) -> None:
-        """Before anything is compiled; who asks again gets what there is."""
+        """Before anything is compiled; a repeated request gets the existing renders."""
         if self._access.folder.renders.find_request(owner, first.request_id) is None:
             check_quota(self._access.folder.database, owner, quota, more_renders=renders)
 

@@ -83,7 +83,7 @@ async def _receive(request: Request, file: Path) -> None:
 
 @contextmanager
 def _coming() -> Iterator[None]:
-    """Bounds how many are on their way, before their first byte. Raises Overloaded, TooMany."""
+    """Bounds how many are being received, before their first byte. Raises Overloaded, TooMany."""
     owner = CALLER.get().name
     if _on_their_way.total() >= limits.PICTURES_COMING:
         raise Overloaded(f"{limits.PICTURES_COMING} pictures are being sent; try again.")

@@ -151,7 +151,7 @@ class LeavingMiddleware:
             await self._app(scope, receive, send)
             return
         whole, left, answered = asyncio.Event(), asyncio.Event(), False
-        # Without a body the application may never ask for one; it is told of its end here.
+        # Without a body the application may never ask for one; its end is reported here.
         given = [] if _may_have_body(Headers(scope=scope)) else [{"type": "http.request", "body": b""}]
         if given:
             whole.set()
@@ -230,7 +230,7 @@ class LingeringMiddleware:
 
 
 def _has_body(headers: Headers) -> bool:
-    """Whether a body is on its way; one that waits for a "100 Continue" is not."""
+    """Whether a body is being received; one that waits for a "100 Continue" is not."""
     if "expect" in headers:
         return False
     return _may_have_body(headers)

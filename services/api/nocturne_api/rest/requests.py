@@ -31,7 +31,8 @@ Service = Annotated[Operations, Depends(_operations)]
 
 
 async def read_json(request: Request, model: type[_Model], limit_bytes: int) -> _Model:
-    """The body as `model`; InputError for what is too big, no JSON, too deep, or not of the model's form."""
+    """The body as `model`; InputError for a body that is too big, no JSON, too deep, or not of the model's
+    form."""
     return validated(model, await asyncio.to_thread(decode_json, await _read(request, limit_bytes)))
 
 

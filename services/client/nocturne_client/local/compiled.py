@@ -38,7 +38,7 @@ class CompiledFolder:
     way: str = ""
     """How it is traced and why, where a pilot chose."""
     layers: Path | None = None
-    """What goes beside the image, where it has any layers."""
+    """The layers' file, where the image has any layers."""
 
     def said(self) -> list[str]:
         """How the scene is traced, where that was chosen, and a line for each warning."""

@@ -23,7 +23,7 @@ def options(
     time: float | None,
     allow_missing: bool,
 ) -> ImportOptions:
-    """What was asked for."""
+    """The options of an import."""
     return ImportOptions(root, parameters, light_radius, light_degrees, light, time, allow_missing)
 
 
