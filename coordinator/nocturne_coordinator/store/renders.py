@@ -28,7 +28,7 @@ from nocturne_coordinator import limits
 from nocturne_coordinator.dispatch.job_cost import USUAL_COST
 from nocturne_coordinator.dispatch.records import ErrorPoint, RenderState
 from nocturne_coordinator.dispatch.stopping import StopConditions, check_tile_samples
-from nocturne_coordinator.errors import AmbiguousId, Conflict, FilesGone
+from nocturne_coordinator.errors import AmbiguousId, BlobsMissing, Conflict
 from nocturne_coordinator.store.blob_use import BlobUse
 from nocturne_coordinator.store.database import Database
 from nocturne_coordinator.store.groups import WAITS
@@ -70,7 +70,7 @@ class Renders:
         """Queues an owner's renders, all or none; the same requests again give the renders made before.
 
         Raises InputError for a bad request id or name, Conflict if the owner used an id with other content,
-        FilesGone if a file of a scene is not there any more, QuotaUsedUp if the owner would have too much.
+        BlobsMissing if a file of a scene is not there any more, QuotaUsedUp if the owner would have too much.
         """
         for new in news:
             _check_texts(new)
@@ -94,7 +94,7 @@ class Renders:
         render_id = _new_id()
         tiles = TileGrid.of(new.schedule).count
         if any(self._blob_here(sha256) is None for sha256 in new.files):
-            raise FilesGone("files of the scene were deleted with another render")
+            raise BlobsMissing("files of the scene were deleted with another render")
         if new.stop.tile_samples:
             check_tile_samples(new.stop.tile_samples, new.schedule)
         self._database.execute(
