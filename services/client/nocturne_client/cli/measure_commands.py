@@ -158,7 +158,7 @@ def point(
 
 
 def _file(target: str) -> Path | None:
-    """Whether a name is a file's, by its ending, so that a missing file is reported as such."""
+    """A file by its ending, so that what is missing is told as such."""
     if target.lower().endswith(".exr"):
         return Path(target)
     if Path(target).suffix and Path(target).is_file():
