@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from nocturne_client.local.chart import Line, write_chart
 
-from bench.chart import Line, write_chart
 from bench.programs import read_channels, trace_to
 from bench.report import Figures, Row, results_folder, significant
 from bench.scenes import Document, compile_film

@@ -12,9 +12,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from nocturne_client.local.chart import Line, write_chart
 from nocturne_client.local.programs import CHECKOUT
 
-from bench.chart import Line, write_chart
 from bench.errors import trimmed_relmse, true_relmse
 from bench.peer.agreement import Reference
 from bench.peer.contenders import FilmSize, Ours

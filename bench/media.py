@@ -18,10 +18,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from nocturne_client.local.chart import Line, write_chart
 from nocturne_client.local.compiled import CompiledFolder
 from nocturne_client.local.programs import CHECKOUT
 
-from bench.chart import Line, write_chart
 from bench.errors import true_relmse
 from bench.programs import BASELINE, Traced, bench_program, trace
 from bench.programs import run as run_program

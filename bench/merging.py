@@ -14,9 +14,9 @@ from nocturne_coordinator.clock import Clock
 from nocturne_coordinator.coordinator import Coordinator
 from nocturne_coordinator.dispatch.liveness import Holder
 from nocturne_coordinator.dispatch.state import Settings
+from nocturne_coordinator.heartbeat import Heartbeat
 from nocturne_coordinator.output.previews import Previews
 from nocturne_coordinator.queue.job_queue import Entry, JobQueue, ResultEntry, Session
-from nocturne_coordinator.sign_of_life import SignOfLife
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.ledger import Ledger
 from nocturne_coordinator.store.ownership import Ownership
@@ -125,7 +125,7 @@ def main() -> None:
         queue = InstantQueue(clock)
         session = Session(ownership.folder, ownership.epoch, "bench")
         settings = Settings(ownership.number, job_seconds=1e9)
-        previews = Previews(folder, ledger, SignOfLife())
+        previews = Previews(folder, ledger, Heartbeat())
         coordinator = Coordinator(folder, ledger, previews, queue, session, settings, clock)
         _rounds(coordinator, _WARM_S)
         merged, made, cpu = coordinator.core.results.merged, queue.made_cpu_s, time.process_time()

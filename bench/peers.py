@@ -11,19 +11,12 @@ from pathlib import Path
 
 from bench.errors import true_relmse
 from bench.peer.agreement import Reference, agreement
-from bench.peer.contenders import Contender, FilmSize, Frame, Ours, mitsuba
+from bench.peer.contenders import SAMPLERS, Contender, FilmSize, Frame, Ours, mitsuba
 from bench.peer.install import Installed, install
 from bench.peer.scenes import Scene, scenes
+from bench.peer.turns import OURS, THREADS, in_turns, rate, reference
 from bench.report import Figures, Row, significant
 from bench.scenes import Document, compile_film
-
-# As many for each renderer as the machines that we measure on have.
-_THREADS = 2
-OURS = "nocturne"
-PEERS = ("multijitter", "independent")
-
-# Seeds: of frames that are measured, of references, of the first guess at the cost.
-_REFERENCE_SEED, _TRIAL_SEED = 10_000, 20_000
 
 
 @dataclass(frozen=True)
@@ -50,7 +43,7 @@ def run(quick: bool) -> Figures:
     size = _QUICK if quick else _FULL
     figures: Figures = {
         "peer": f"Mitsuba {installed.version} {installed.variant}",
-        "threads": _THREADS,
+        "threads": THREADS,
         "budgets_cpu_s": list(size.budgets_cpu_s),
     }
     for name, scene in scenes().items():
@@ -65,14 +58,14 @@ def rows(figures: Figures) -> list[Row]:
     for scene in scenes():
         found = figures[scene]
         by_key = {(each["renderer"], each["budget_cpu_s"]): each for each in found["frames"]}
-        for peer in PEERS:
+        for peer in SAMPLERS:
             ratios = [
                 by_key[OURS, budget]["efficiency"] / by_key[peer, budget]["efficiency"]
                 for budget in figures["budgets_cpu_s"]
             ]
             budgets = ", ".join(f"{budget:g}" for budget in figures["budgets_cpu_s"])
             what = f"{scene}: efficiency / {figures['peer']} {peer}, at {budgets} CPU s"
-            aim = "1" if peer == PEERS[0] else ""
+            aim = "1" if peer == SAMPLERS[0] else ""
             table.append(Row(what, ", ".join(f"{ratio:.3g}" for ratio in ratios), aim))
         agree = found["agreement"]
         said = (
@@ -90,49 +83,43 @@ def _scene(scene: Scene, size: _Size, installed: Installed) -> Figures:
         ours, way = _ours(scene.write(folder), folder, film, size)
         contenders: dict[str, Contender] = {OURS: ours}
         theirs = stack.enter_context(
-            mitsuba(installed, folder / "scene.json", folder / "mitsuba", film, _THREADS)
+            mitsuba(installed, folder / "scene.json", folder / "mitsuba", film, THREADS)
         )
-        contenders |= {sampler: theirs[sampler] for sampler in PEERS}
+        contenders |= {sampler: theirs[sampler] for sampler in SAMPLERS}
         return _compare(contenders, replace(size, rounds=scene.rounds * size.rounds)) | {"way": way}
 
 
 def _ours(document: Document, folder: Path, film: FilmSize, size: _Size) -> tuple[Ours, str]:
     """The tracer with the method that a pilot chooses for the largest budget, and that method in words. The
     pilot's time is not counted."""
-    plain = Ours(compile_film(document, folder, film.width, film.height, 1), film, _THREADS)
-    rate = plain.frame(size.trial_samples, _TRIAL_SEED).cpu_s / size.trial_samples
-    samples = _samples(max(size.budgets_cpu_s), rate)
+    plain = Ours(compile_film(document, folder, film.width, film.height, 1), film, THREADS)
+    samples = _samples(max(size.budgets_cpu_s), rate(plain, size.trial_samples))
     chosen = compile_film(document, folder, film.width, film.height, samples, folder / "chosen")
-    return Ours(chosen, film, _THREADS), chosen.way
+    return Ours(chosen, film, THREADS), chosen.way
 
 
 def _compare(contenders: Mapping[str, Contender], size: _Size) -> Figures:
-    rates = {
-        name: contender.frame(size.trial_samples, _TRIAL_SEED).cpu_s / size.trial_samples
-        for name, contender in contenders.items()
-    }
-    measured: dict[tuple[str, float], list[Frame]] = {}
+    rates = {name: rate(contender, size.trial_samples) for name, contender in contenders.items()}
     counts = {
         (name, budget): _samples(budget, rates[name]) for budget in size.budgets_cpu_s for name in contenders
     }
-    for seed in range(size.rounds):
-        for (name, budget), samples in counts.items():
-            measured.setdefault((name, budget), []).append(contenders[name].frame(samples, seed))
-    # Each is judged by its own truth, so that a difference between the two is disagreement and not noise.
+    measured = in_turns({key: (contenders[key[0]], count) for key, count in counts.items()}, size.rounds)
     references = {
-        name: _reference(contenders[name], _samples(size.reference_frame_cpu_s, rates[name]), size)
-        for name in (OURS, PEERS[0])
+        name: reference(
+            contenders[name], _samples(size.reference_frame_cpu_s, rates[name]), size.reference_frames
+        )
+        for name in (OURS, SAMPLERS[0])
     }
     frames = [
         {
             "renderer": name,
             "budget_cpu_s": budget,
             "samples": counts[name, budget],
-            **_figures(measured[name, budget], references[OURS if name == OURS else PEERS[0]]),
+            **_figures(measured[name, budget], references[OURS if name == OURS else SAMPLERS[0]]),
         }
         for name, budget in counts
     ]
-    return {"frames": frames, "agreement": agreement(references[OURS], references[PEERS[0]])}
+    return {"frames": frames, "agreement": agreement(references[OURS], references[SAMPLERS[0]])}
 
 
 def _figures(frames: list[Frame], reference: Reference) -> Figures:
@@ -143,11 +130,6 @@ def _figures(frames: list[Frame], reference: Reference) -> Figures:
         "cpu_s": significant(cpu_s),
         "efficiency": significant(1.0 / (relmse * cpu_s)),
     }
-
-
-def _reference(contender: Contender, samples: int, size: _Size) -> Reference:
-    frames = [contender.frame(samples, _REFERENCE_SEED + number) for number in range(size.reference_frames)]
-    return Reference.of([frame.y for frame in frames])
 
 
 def _samples(budget_cpu_s: float, cpu_s_per_sample: float) -> int:

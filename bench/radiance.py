@@ -30,7 +30,7 @@ _TRUTH_SEED = 10_000
 
 
 def run(quick: bool) -> Figures:
-    """Errors of both at several settings, by a long render of ours, whose own error is told."""
+    """Errors of both at several settings, by a long render of ours, with its own error."""
     samples, truth, seeds = ((64, 256), 4096, 1) if quick else ((64, 256, 1024, 4096), 2**18, 4)
     settings = list(SETTINGS)[:1] if quick else list(SETTINGS)
     figures: Figures = {"peer": f"Radiance of pyradiance {radiance.VERSION}", "points": _COLUMNS * _ROWS}

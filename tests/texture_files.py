@@ -10,7 +10,8 @@ Level = NDArray[np.float32]
 
 
 def levels_of(content: bytes) -> list[Level]:
-    """All levels, the finest first, of shape (height, width, channels); what is beside them is checked."""
+    """All levels, the finest first, of shape (height, width, channels); the padding around them is
+    checked."""
     magic, version, width, height, channels, finest, coarser, count = struct.unpack_from("<8s7I", content)
     assert (magic, version) == (b"NOCTEXEL", 1)
     table = np.frombuffer(content, "<f4", 256, 36) if finest == 1 else None

@@ -21,6 +21,8 @@ from nocturne_scene.scene_ranges import schedule_of
 from bench.peer.install import Installed
 from bench.programs import BASELINE, Channel, Traced, bench_program, trace
 
+SERVER = Path(__file__).with_name("mitsuba_server.py")
+
 SAMPLERS = ("multijitter", "independent")
 """The first serves it best."""
 PARTICLES = "particles"
@@ -28,6 +30,10 @@ PARTICLES = "particles"
 
 _PATIENCE_S = 60.0
 """For an answer: some scenes make it compile kernels for hours."""
+
+
+_BATCH_THREADS, _BATCH_PATIENCE_S = 2, 900.0
+"""For many images of a scene, of which none is timed."""
 
 
 @dataclass(frozen=True)
@@ -146,12 +152,11 @@ def mitsuba(
 @contextmanager
 def mitsuba_of(installed: Installed, scene: Path, folder: Path, threads: int) -> Iterator[dict[str, Mitsuba]]:
     """Starts it with a scene in its own format, whose sampler is `$sampler`; `folder` is for images."""
-    script = Path(__file__).with_name("mitsuba_server.py")
     process = subprocess.Popen(
         [
             str(installed.python),
             "-P",
-            str(script),
+            str(SERVER),
             installed.variant,
             str(threads),
             str(scene),
@@ -170,6 +175,35 @@ def mitsuba_of(installed: Installed, scene: Path, folder: Path, threads: int) ->
     finally:
         process.kill()
         process.communicate()
+
+
+def frames_of(
+    python: Path,
+    scene: Path,
+    samples: int,
+    count: int,
+    folder: Path,
+    *,
+    variant: str = "scalar_spectral",
+    film: FilmSize | None = None,
+) -> Channel:
+    """XYZ by Mitsuba, in its unit, of seeds from 0, shape (count, height, width, 3), on the scene's film or
+    another one; `folder` is for images. CalledProcessError with its complaint where it refuses the scene."""
+    sampler = "independent"
+    images = [folder / f"frame-{seed}.npy" for seed in range(count)]
+    asked = {"sampler": sampler, "integrator": "", "samples": samples}
+    lines = [json.dumps({**asked, "seed": seed, "image": str(image)}) for seed, image in enumerate(images)]
+    options = ["--film", film.width, film.height] if film else []
+    command = [python, "-P", SERVER, "--strict", *options, "--", variant, _BATCH_THREADS, scene, sampler]
+    subprocess.run(
+        [str(word) for word in command],
+        input="\n".join(lines),
+        capture_output=True,
+        text=True,
+        check=True,
+        timeout=_BATCH_PATIENCE_S,
+    )
+    return np.stack([np.load(image).astype(np.float64) for image in images])
 
 
 def _pipe(stream: IO[str] | None) -> IO[str]:

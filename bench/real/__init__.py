@@ -12,7 +12,8 @@ from pathlib import Path
 
 from bench.peer.contenders import SAMPLERS
 from bench.peer.install import install
-from bench.real.measure import OURS, Size, room
+from bench.peer.turns import OURS
+from bench.real.measure import Size, room
 from bench.real.scenes import SCENES, there
 from bench.report import Figures, Row
 

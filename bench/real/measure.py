@@ -4,7 +4,6 @@ import statistics
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 from nocturne_client.local.compiled import compile_to
 from nocturne_client.local.importing import import_to
 from nocturne_scene.formats.reading.options import ImportOptions
@@ -13,14 +12,12 @@ from bench.errors import trimmed_relmse, true_relmse
 from bench.peer.agreement import Reference, agreement
 from bench.peer.contenders import SAMPLERS, Contender, FilmSize, Frame, Ours, mitsuba_of
 from bench.peer.install import Installed
+from bench.peer.turns import OURS, THREADS, in_turns, rate, reference
 from bench.programs import children_cpu_s
 from bench.real.preparing import prepared
 from bench.report import Figures, significant
 
-OURS = "nocturne"
-
-_THREADS = 2
-_TRIAL_SAMPLES, _TRIAL_SEED, _REFERENCE_SEED = 4, 20_000, 10_000
+_TRIAL_SAMPLES = 4
 _WORST = 1e-3
 """Part of the pixels that the trimmed error leaves out."""
 _COUNTED_FROM_S = 8.0
@@ -52,23 +49,22 @@ def room(file: Path, folder: Path, size: Size, installed: Installed) -> Figures:
     scene, (width, height) = prepared(file)
     film = FilmSize(width, height)
     imported = import_to(scene, folder / "imported", ImportOptions(allow_missing=True))
-    with mitsuba_of(installed, scene, folder, _THREADS) as theirs:
+    with mitsuba_of(installed, scene, folder, THREADS) as theirs:
         peers: dict[str, Contender] = {name: theirs[name] for name in SAMPLERS}
-        rates = {name: _rate(peer) for name, peer in peers.items()}
+        rates = {name: rate(peer, _TRIAL_SAMPLES) for name, peer in peers.items()}
         chosen = _chosen(imported.document, folder, film, size)
-        frames: dict[tuple[str, float], list[Frame]] = {}
-        for seed in range(size.rounds):
-            for budget, our in chosen.items():
-                found = our.ours.frame(our.samples, seed)
-                frames.setdefault((OURS, budget), []).append(found)
-                for name, peer in peers.items():
-                    samples = _samples(budget, rates[name])
-                    frames.setdefault((name, budget), []).append(peer.frame(samples, seed))
+        runs: dict[tuple[str, float], tuple[Contender, int]] = {}
+        for budget, our in chosen.items():
+            runs[OURS, budget] = our.ours, our.samples
+            runs |= {(name, budget): (peer, _samples(budget, rates[name])) for name, peer in peers.items()}
+        frames = in_turns(runs, size.rounds)
         best = chosen[max(chosen)]
         last = {OURS: best.ours, SAMPLERS[0]: peers[SAMPLERS[0]]}
         spent = {OURS: frames[OURS, max(chosen)][0].cpu_s / best.samples, **rates}
         references = {
-            name: _reference(contender, _samples(size.reference_frame_cpu_s, spent[name]), size)
+            name: reference(
+                contender, _samples(size.reference_frame_cpu_s, spent[name]), size.reference_frames
+            )
             for name, contender in last.items()
         }
     return {
@@ -87,16 +83,16 @@ def _chosen(document: Path, folder: Path, film: FilmSize, size: Size) -> dict[fl
     """By budget. The cost of a sample is that of the method which the budget before chose."""
     found: dict[float, _Chosen] = {}
     plain = compile_to(document, folder / "trial", film.width, film.height, _TRIAL_SAMPLES)
-    rate = _rate(Ours(plain, film, _THREADS))
+    cost = rate(Ours(plain, film, THREADS), _TRIAL_SAMPLES)
     for budget in size.budgets_cpu_s:
-        samples = _samples(budget, rate)
+        samples = _samples(budget, cost)
         before = children_cpu_s()
         compiled = compile_to(document, folder / f"for-{budget:g}", film.width, film.height, samples)
         pilot = children_cpu_s() - before
-        ours = Ours(compiled, film, _THREADS)
-        rate = _rate(ours)
+        ours = Ours(compiled, film, THREADS)
+        cost = rate(ours, _TRIAL_SAMPLES)
         left = budget - pilot if budget >= _COUNTED_FROM_S else budget
-        found[budget] = _Chosen(ours, _samples(max(left, 0.25 * budget), rate), compiled.way, pilot)
+        found[budget] = _Chosen(ours, _samples(max(left, 0.25 * budget), cost), compiled.way, pilot)
     return found
 
 
@@ -124,16 +120,6 @@ def _figures(
         "efficiency": significant(1.0 / (relmse * counted)),
         "trimmed_efficiency": significant(1.0 / (trimmed * counted)),
     }
-
-
-def _rate(contender: Contender) -> float:
-    """CPU seconds of a sample in each pixel."""
-    return contender.frame(_TRIAL_SAMPLES, _TRIAL_SEED).cpu_s / _TRIAL_SAMPLES
-
-
-def _reference(contender: Contender, samples: int, size: Size) -> Reference:
-    frames = [contender.frame(samples, _REFERENCE_SEED + number) for number in range(size.reference_frames)]
-    return Reference.of([np.asarray(frame.y) for frame in frames])
 
 
 def _samples(budget_cpu_s: float, cpu_s_per_sample: float) -> int:

@@ -28,7 +28,7 @@ WHY = {
     "reflector": "Mitsuba's particle tracer starts at the lamp, too. Both draw photons alike, and each pixel "
     "gets few of them.",
     "headlight in fog": "Mitsuba finds only the light that misses the fog, so nothing is there to compare "
-    "with. Both directions converge; each pixel beside the beam is lit by few photons.",
+    "with. Both directions converge; each pixel outside of the beam is lit by few photons.",
     "smoke": "no reason was looked for.",
     "sky": "Mitsuba has no panoramic camera, and the air of a planet can't be exported: its rays meet "
     "spheres of 6,371 km too inexactly for shells of air ([compatibility](../reference/compatibility.md)).",

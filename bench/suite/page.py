@@ -2,10 +2,10 @@
 
 import json
 
+from nocturne_client.local.chart import Line, write_chart
 from nocturne_client.local.programs import CHECKOUT
 
 from bench import accumulation, error_bars
-from bench.chart import Line, write_chart
 from bench.errors import expected_relmse
 from bench.report import Figures, Row, kept, results_folder
 from bench.suite.aims import AIMS, WHY, best

@@ -1,9 +1,9 @@
 """The coordinator: passes events of the data folder and Redis to the core, and carries out its instructions.
 
 One thread, one loop. Merged results are committed about once a second, and only then are the results deleted
-from Redis; so whatever is killed whenever, open work is what is planned and not committed. Several may share
-a folder: each render is leased to one of them, and every write checks the lease's fence. All decisions are
-those of `dispatch.core`."""
+from Redis; so whatever is killed whenever, the open work is all planned ranges that are not committed.
+Several may share a folder: each render is leased to one of them, and every write checks the lease's fence.
+All decisions are those of `dispatch.core`."""
 
 import logging
 import sqlite3

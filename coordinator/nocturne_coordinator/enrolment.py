@@ -31,7 +31,7 @@ def token_of(machine: str) -> str:
 
 
 def reason_of(machine: str, reasons: Mapping[str, str]) -> str:
-    """What is said there of the machine, or of its token; empty: nothing."""
+    """The reason given there for the machine or its token; empty: none."""
     return reasons.get(machine) or reasons.get(token_of(machine), "")
 
 

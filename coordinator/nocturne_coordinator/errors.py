@@ -9,15 +9,15 @@ NocturneError, InputError and NotFound are of `nocturne_scene.errors`.
 NocturneError
 +-- Conflict        a request id was used before with other content
 +-- AmbiguousId     several renders have ids that begin so
-+-- FilesGone       files of a scene were deleted after it was compiled
++-- BlobsMissing       files of a scene were deleted after it was compiled
 +-- WrongState      the render is in a state in which that can't be done
 +-- QuotaUsedUp     an owner would have more than it may
 +-- AlreadyOwned    another coordinator works on the data folder
-+-- QueueTaken      Redis serves the coordinator of another data folder
++-- QueueInUse      Redis serves the coordinator of another data folder
 +-- OwnershipLost   another coordinator took the data folder over; nothing may be committed any more
 +-- LeaseLost       another coordinator has the render, or its sums were changed; nothing of it may be written
 +-- UnusableFolder  the folder was written by another version, or is damaged
-+-- CantRestore     there is nothing whole to restore from
++-- RestoreFailed     there is nothing whole to restore from
 +-- UnusableQueue   Redis is set up so that it loses messages
 +-- FolderTrouble   the data folder could not be read or written just now; it is tried again
 +-- QueueError      Redis could not be reached, or refused; it is tried again
@@ -42,7 +42,7 @@ class AmbiguousId(NocturneError):
     """The beginning of an id that several have; says which."""
 
 
-class FilesGone(NocturneError):
+class BlobsMissing(NocturneError):
     """Files of a scene were deleted with another render after it was compiled; compiling again may help."""
 
 
@@ -54,7 +54,7 @@ class QuotaUsedUp(NocturneError):
     """An owner would have more than it may."""
 
 
-class QueueTaken(NocturneError):
+class QueueInUse(NocturneError):
     """Redis serves the coordinator of another data folder."""
 
 
@@ -102,7 +102,7 @@ class UnusableFolder(NocturneError):
         return cls(f"{folder} can't be used ({trouble}); see to its rights and to the space on its disk")
 
 
-class CantRestore(NocturneError):
+class RestoreFailed(NocturneError):
     """There is nothing whole to restore a data folder from, or nothing that may be replaced."""
 
 

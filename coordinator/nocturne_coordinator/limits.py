@@ -44,8 +44,8 @@ SUMS_PART_OF_MEMORY = 0.4
 """Of the coordinator's memory, that all those sums may take where it has little."""
 
 PICTURE_BYTES = 112
-"""For each pixel, that the process which makes the pictures of a large film needs beside a copy of its sums:
-25 channels of an EXR, the numbers of samples, and some rows as they are made."""
+"""For each pixel, that the process which makes the pictures of a large film needs in addition to a copy of
+its sums: 25 channels of an EXR, the numbers of samples, and some rows as they are made."""
 
 MEMORY_BESIDE = 2**29
 """Bytes of the coordinator's memory for all but films: libraries, and results that wait."""

@@ -20,14 +20,14 @@ from nocturne_coordinator.dispatch.audit import NEW_SHARE, SHARE
 from nocturne_coordinator.dispatch.job_cost import JOB_SECONDS
 from nocturne_coordinator.dispatch.scheduler import MIN_OVERDUE
 from nocturne_coordinator.dispatch.state import COMMIT_SECONDS, Settings
-from nocturne_coordinator.errors import AlreadyOwned, OwnershipLost, QueueError, QueueTaken, UnusableFolder
+from nocturne_coordinator.errors import AlreadyOwned, OwnershipLost, QueueError, QueueInUse, UnusableFolder
 from nocturne_coordinator.event_log import EventLog
+from nocturne_coordinator.heartbeat import Heartbeat
 from nocturne_coordinator.log_lines import write_log_lines
 from nocturne_coordinator.memory import memory_bytes
 from nocturne_coordinator.output.previews import Previews
 from nocturne_coordinator.queue.guard import Guard
 from nocturne_coordinator.queue.job_queue import JobQueue, Session
-from nocturne_coordinator.sign_of_life import SignOfLife
 from nocturne_coordinator.store.checkpoint import CHECKPOINT_SECONDS, Checkpointer
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.ledger import Ledger
@@ -51,7 +51,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     signal.signal(signal.SIGHUP, signal.SIG_IGN)
     try:
         _run(options, stop)
-    except (AlreadyOwned, QueueTaken) as error:
+    except (AlreadyOwned, QueueInUse) as error:
         _log.error("%s", error)
         return EXIT_ALREADY_OWNED
     except OwnershipLost as error:
@@ -218,7 +218,7 @@ def _run(options: argparse.Namespace, stop: threading.Event) -> None:
             threading.Thread(target=checkpointer.run, args=(stop,), daemon=True).start()
         if options.event_log:
             event_log = _open_event_log(options.event_log, settings, ledger)
-        alive = SignOfLife(options.alive)
+        alive = Heartbeat(options.alive)
         previews = Previews(folder, ledger, alive)
         clock = Clock(stop)
         coordinator = Coordinator(folder, ledger, previews, queue, session, settings, clock, event_log)
@@ -251,12 +251,12 @@ def _open_event_log(path: Path, settings: Settings, ledger: Ledger) -> EventLog:
 
 
 def _take_lease(queue: JobQueue, session: Session, stop: threading.Event) -> None:
-    """Waits until a lease left by another data folder's coordinator ends; QueueTaken if it is renewed."""
+    """Waits until a lease left by another data folder's coordinator ends; QueueInUse if it is renewed."""
     left_before = 0
     while not stop.is_set():
         try:
             queue.check_lease(session)
-        except QueueTaken:
+        except QueueInUse:
             left = queue.lease_left()
             if 0 < left_before < left:
                 raise

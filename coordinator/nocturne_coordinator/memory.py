@@ -16,7 +16,7 @@ def memory_bytes(cgroups: Path = _CGROUPS, own: Path = _OWN) -> int:
     except OSError:
         lines = []
     for line in lines:
-        # Version 2 is "0::/path"; in version 1 each controller has a tree of its own.
+        # Version 2 is "0::/path"; in version 1 each controller has its own tree.
         _, controllers, path = line.split(":", 2)
         if not controllers:
             bounds += _bounds(cgroups, path, "memory.max")

@@ -1,4 +1,4 @@
-"""A folder for Unix sockets that nobody else can enter."""
+"""A folder for Unix sockets that other users can't enter."""
 
 import os
 import tempfile

@@ -88,13 +88,13 @@ class BlobStore:
     def __init__(self, root: Path, remote: RemoteStore | None = None, *, durable: bool = True) -> None:
         """With a remote store, every method may raise what the object store raises, too.
 
-        `durable`: what is stored survives a power cut; a folder that goes after a render needs no such thing.
+        `durable`: stored files survive a power cut; a folder that goes after a render has no need of that.
         """
         self.root = root
         self.remote = remote
         self._durable = durable
         self._incoming = root / "incoming"
-        # Not the folder around it: one that was moved away is not to be made anew.
+        # Not the folder around it: one that was moved away must not be created again.
         root.mkdir(exist_ok=True)
         self._incoming.mkdir(exist_ok=True)
 

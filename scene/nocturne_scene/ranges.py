@@ -195,8 +195,8 @@ def entries_of(schedule: job_pb2.RangeSchedule) -> int:
 
 
 def manifest_of(schedule: job_pb2.RangeSchedule, samples: Iterable[tuple[int, int]]) -> list[int]:
-    """A manifest, from what is known of some entries. Samples of a tile to which forward photons bring all
-    light are those of the image, and none of its own."""
+    """A manifest, from the known entries. Samples of a tile to which forward photons bring all
+    light are those of the image."""
     found = [0] * entries_of(schedule)
     photons = TileGrid.of(schedule).count
     for index, count in samples:

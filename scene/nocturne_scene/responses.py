@@ -14,7 +14,7 @@ LIGHT_PARTS = {part: tuple(f"{part}.{axis}" for axis in "XYZ") for part in ("dir
 """Names of responses to a part of the light, by part."""
 
 COLOUR = tuple(f"colour.{number:02d}" for number in range(43))
-"""Names of responses that tell a light's colour, by wavelength; what they are: `spectra.colour_basis`."""
+"""Names of responses that give a light's colour, by wavelength; `spectra.colour_basis` has their curves."""
 
 _OF_SENSORS = frozenset(name for names in LIGHT_PARTS.values() for name in names) | frozenset(COLOUR)
 

@@ -1,9 +1,8 @@
 """The colour of the light that arrives, of a fluorescent lamp (FL2), straight, in a white and in a coloured
 room: values against the spectrum that theory gives, and intervals that hold as often as they say.
 
-Rooms are spheres whose wall shines evenly and reflects rho of what it gets: everywhere inside the radiance is
-L / (1 - rho), so the light has the lamp's spectrum over 1 - rho.
-"""
+Rooms are spheres whose wall shines evenly and reflects rho of the incident light: everywhere inside the
+radiance is L / (1 - rho), so the light has the lamp's spectrum over 1 - rho."""
 
 from pathlib import Path
 from typing import Any
@@ -93,7 +92,7 @@ def test_intervals_hold(room: str, tmp_path: Path) -> None:
         value, error = values.T
         held = np.abs(value - truth[name]) <= 1.96 * error
         assert held.mean() >= least, (name, held.mean(), value.mean(), truth[name], error.mean())
-        # Their scatter is what they tell, and their mean is right.
+        # Their scatter agrees with their standard errors, and their mean is right.
         assert value.std(ddof=1) == pytest.approx(np.sqrt(np.mean(error**2)), rel=0.2 if IN_FULL else 0.5), (
             name
         )

@@ -68,7 +68,7 @@ def test_photons_caught_in_a_box_end(tmp_path: Path) -> None:
     """A tile that hardly covers anything gets 2.25 in the directions that leave a box of index 1.5 at a face.
 
     The others never end by themselves. Photons sent towards lights there went on until their last ray, and
-    images reported them. What comes back to the tile is below 1 %, its reflectance.
+    images reported them. The light that comes back to the tile is below 1 %, its reflectance.
     """
     normal, reflectance = [0.36, 0.48, 0.8], 0.01
     tile, meter = white_tile(([0.1, 0.2, 0.05], normal))

@@ -1,7 +1,7 @@
 """Bodies of media in even light, attenuation, and a lamp in fog.
 
 Truths: closed forms, and what the tests name. False alarms: 0.01 for each test. A long file, as each closed
-form stands beside its scene.
+form stands next to its scene.
 """
 
 from math import exp, pi

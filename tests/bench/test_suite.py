@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 from nocturne_client.errors import NocturneClientError
+from nocturne_client.local.chart import Line, write_chart
 
 from bench.accumulation import _sums
-from bench.chart import Line, write_chart
 from bench.error_bars import SCENES as NAMES
 from bench.error_bars import SEQUENCES, diagnosis
 from bench.peer.agreement import Reference

@@ -35,7 +35,7 @@ _UNIX_EPOCH = 2440587.5
 
 
 class MemoryDatabase(Database):
-    """In memory, and full when it is told so."""
+    """In memory; a test may make it full."""
 
     def __init__(self, clock: VirtualClock) -> None:
         self.is_full = False
@@ -123,7 +123,7 @@ class Store(DataFolder):
         return list(self.workers.in_quarantine())
 
     def change(self, render_id: str, **values: Any) -> None:
-        """What people ask for, or an older version left behind, whatever the render's state."""
+        """A request of people, or a remainder of an older version, whatever the render's state."""
         if weight := values.pop("owner_weight", None):
             owner = values["owner"]
             self.database.execute(

@@ -76,6 +76,22 @@ def unaltered(result: job_pb2.JobResult) -> list[job_pb2.JobResult | bytes]:
     return [result]
 
 
+def one_bit(result: job_pb2.JobResult) -> list[job_pb2.JobResult | bytes]:
+    """One number is one unit in the last place larger."""
+    sums = np.frombuffer(result.partial.sums, dtype="<f8").copy()
+    sums[0] = np.nextafter(sums[0], np.inf)
+    result.partial.sums = sums.tobytes()
+    return [result]
+
+
+def rounds_otherwise(result: job_pb2.JobResult) -> list[job_pb2.JobResult | bytes]:
+    """Every sum is one unit in the last place larger, as those of a correct worker of another profile may
+    be."""
+    sums = np.frombuffer(result.partial.sums, dtype="<f8")
+    result.partial.sums = np.nextafter(sums, np.inf).tobytes()
+    return [result]
+
+
 class SimulatedWorker(threading.Thread):
     """Follows the protocol of docs/explanation/queue.md in a thread; reconnects without limit, as workers
     do."""

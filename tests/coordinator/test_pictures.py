@@ -10,8 +10,8 @@ from nocturne_coordinator.dispatch.events import Moment, PicturesMade
 from nocturne_coordinator.dispatch.records import RenderCommit, TileRow, Totals
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.errors import LeaseLost
+from nocturne_coordinator.heartbeat import Heartbeat
 from nocturne_coordinator.output.previews import Previews
-from nocturne_coordinator.sign_of_life import SignOfLife
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.ledger import Ledger
 from nocturne_coordinator.store.ownership import Ownership
@@ -80,7 +80,7 @@ def test_a_picture_that_takes_long_looks_neither_like_hanging_nor_like_a_lost_le
         path.write_bytes(b"")
 
     monkeypatch.setattr("nocturne_coordinator.output.pictures.write_image", meanwhile)
-    Previews(folder, ledger, SignOfLife(alive)).write_image(render)
+    Previews(folder, ledger, Heartbeat(alive)).write_image(render)
     assert min(left) > seconds - 60.0
     # The next sign of life ends that.
     ledger.leases.renew(time.time())
@@ -187,7 +187,7 @@ def test_one_whose_pictures_fail_keeps_nobody_elses(
 def test_a_process_that_fails_is_tried_again_and_others_go_on(
     folder: DataFolder, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """As where memory is short: of one owner one at a time, and of others beside."""
+    """As where memory is short: of one owner one at a time, and of other owners at once."""
     monkeypatch.setattr("nocturne_coordinator.output.pictures._SHORTEST_PAUSE", 0.1)
     ledger = Ledger(folder.database, Ownership(folder.root, folder.database))
     pictures = Previews(folder, ledger)

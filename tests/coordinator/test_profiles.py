@@ -17,7 +17,7 @@ from nocturne_coordinator.dispatch.profiles import (
     votes_by_profile,
 )
 from nocturne_coordinator.dispatch.range_queue import RangeQueue
-from nocturne_coordinator.dispatch.records import UNKNOWN_CLASS, OpenRender, RenderState, Totals, WorkerRow
+from nocturne_coordinator.dispatch.records import UNKNOWN_PROFILE, OpenRender, RenderState, Totals, WorkerRow
 from nocturne_coordinator.dispatch.result_handler import ResultHandler
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.scheduler import JobKey, Scheduler
@@ -40,7 +40,7 @@ def worker(name: str, floating_point_profile: str, threads: int = 1, engine: int
 
 @pytest.mark.parametrize("told", ["", "a1", "A" * 16, "a" * 17, "../../etc/passwd"])
 def test_what_is_no_digest_is_one_class(told: str) -> None:
-    assert profile_of(told) == UNKNOWN_CLASS
+    assert profile_of(told) == UNKNOWN_PROFILE
     assert profile_of(A) == A
 
 
@@ -50,7 +50,7 @@ def test_machines_count_not_workers_or_threads() -> None:
     assert machines_by_profile(workers, {}) == {A: 2, B: 1}
     assert usual_profiles(machines_by_profile(workers, {})) == {A}
     assert usual_profiles(machines_by_profile(workers, {"1": "It lied.", "2": "It lied."})) == {B}
-    assert usual_profiles({B: 2, A: 2, UNKNOWN_CLASS: 1}) == {A, B}
+    assert usual_profiles({B: 2, A: 2, UNKNOWN_PROFILE: 1}) == {A, B}
     assert usual_profiles({}) == set()
 
 

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 import redis
 from nocturne_coordinator.dispatch.liveness import Holder
-from nocturne_coordinator.errors import OwnershipLost, QueueTaken
+from nocturne_coordinator.errors import OwnershipLost, QueueInUse
 from nocturne_coordinator.queue import keys
 from nocturne_coordinator.queue.job_queue import FIRST, SESSION_SECONDS, JobQueue, Session
 
@@ -171,7 +171,7 @@ def test_an_emptied_redis_knows_nobody(ready: Both) -> None:
 
 
 def test_another_folder_is_refused(ready: Both) -> None:
-    with pytest.raises(QueueTaken):
+    with pytest.raises(QueueInUse):
         ready.queue.attend(Session("other", 1, "x"))
     assert ready.queue.attend(SESSION)
 
@@ -190,7 +190,7 @@ def test_a_session_that_was_given_up_is_free(ready: Both) -> None:
 def test_a_shared_session_is_kept_for_the_others(both: Both) -> None:
     both.queue.attend(Session("folder", 1, "a", shared=True))
     both.queue.give_up_session(Session("folder", 1, "a", shared=True))
-    with pytest.raises(QueueTaken):
+    with pytest.raises(QueueInUse):
         both.queue.attend(Session("other", 1, "x"))
 
 

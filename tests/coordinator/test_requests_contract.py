@@ -1,4 +1,4 @@
-"""What people ask for and what a coordinator writes of one render, in all orders: no answer is broken. One
+"""Requests of people and writes of a coordinator for one render, in all orders: no answer is broken. One
 contract for the data folder and for its copy in memory, on which the service in memory runs."""
 
 from collections.abc import Callable, Iterator
@@ -37,7 +37,7 @@ def stores(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Stores]:
 
 
 class Asked:
-    """A render at work, with what must be true of it."""
+    """A render at work, with its invariants."""
 
     def __init__(self, stores: Stores, name: str) -> None:
         self._folder, self._ledger = stores
@@ -57,7 +57,7 @@ class Asked:
     def schedule(self) -> job_pb2.RangeSchedule:
         return self._folder.renders.schedule(self.id)
 
-    # --- what may happen, each as what it is based on allows ---
+    # --- possible events, each where the state allows it ---
 
     def look(self) -> None:
         """The coordinator sees the render as it is now."""

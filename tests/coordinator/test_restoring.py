@@ -7,7 +7,7 @@ from contextlib import closing
 from pathlib import Path
 
 import pytest
-from nocturne_coordinator.errors import AlreadyOwned, CantRestore
+from nocturne_coordinator.errors import AlreadyOwned, RestoreFailed
 from nocturne_coordinator.main import EXIT_UNUSABLE
 from nocturne_coordinator.store.checkpoint import Checkpoint, Checkpointer, checkpoints
 from nocturne_coordinator.store.restoring import damage_of, restore
@@ -145,11 +145,11 @@ def test_what_is_whole_is_never_replaced(service: Service, tmp_path: Path) -> No
     assert not (service.data / "checkpoints").exists()
     elsewhere = tmp_path / "safe"
     Checkpointer(service.data, elsewhere).make()
-    with pytest.raises(CantRestore, match="is whole"):
+    with pytest.raises(RestoreFailed, match="is whole"):
         restore(service.data, elsewhere)
-    with pytest.raises(CantRestore, match="there is no folder"):
+    with pytest.raises(RestoreFailed, match="there is no folder"):
         restore(service.data, tmp_path / "nowhere")
-    with pytest.raises(CantRestore, match="no whole checkpoint"):
+    with pytest.raises(RestoreFailed, match="no whole checkpoint"):
         restore(tmp_path / "empty", service.data / "images")
     check_committed_now(service, render)
 

@@ -1,7 +1,6 @@
 """Means of whole images: Nocturne's compared with those of the renderer that a file is for."""
 
 import math
-import subprocess
 import tempfile
 import tomllib
 from dataclasses import dataclass
@@ -9,6 +8,7 @@ from fnmatch import fnmatch
 from fractions import Fraction
 from itertools import count
 from pathlib import Path
+from subprocess import CalledProcessError
 
 import numpy as np
 from nocturne_scene.errors import InputError
@@ -17,6 +17,7 @@ from nocturne_scene.formats.reading.options import Imported, ImportOptions
 from nocturne_scene.formats.reading.scene_writer import FilmSettings
 from numpy.typing import NDArray
 
+from bench.peer.contenders import FilmSize, frames_of
 from tests.mitsuba.renders import Batches
 
 Values = NDArray[np.float64]
@@ -33,7 +34,6 @@ _MORE_SAMPLES = 10_000_000
 _ERROR = 0.005
 _PIXELS = 2_500
 _SAME_SHAPE = Fraction(1, 1000)
-_SECONDS = 900
 
 _REASONS = Path(__file__).with_name("reasons.toml")
 # Characters of a message that are shown.
@@ -160,7 +160,7 @@ def compared(file: Path, root: Path, python: Path) -> tuple[Means, tuple[str, ..
         scene = Imported(imported.document, film, imported.notes, imported.missing)
         for total in (_SAMPLES, _MORE_SAMPLES):
             samples = max(1, round(total / BATCHES / (film.width * film.height)))
-            theirs = _theirs(file, film, samples, python, folder / "means.npy")
+            theirs = _theirs(file, film, samples, python, folder)
             ours = Batches(scene, folder / f"compiled {total}", BATCHES, samples).means()
             found = Means(*_of(ours), *_of(theirs))
             if found.error.max() <= _ERROR:
@@ -169,18 +169,18 @@ def compared(file: Path, root: Path, python: Path) -> tuple[Means, tuple[str, ..
     return found, losses
 
 
-def _theirs(file: Path, film: FilmSettings, samples: int, python: Path, means: Path) -> Values:
-    script = Path(__file__).with_name("mitsuba_means.py")
+def _theirs(file: Path, film: FilmSettings, samples: int, python: Path, folder: Path) -> Values:
+    size = FilmSize(film.width, film.height)
+    refused = ""
     for variant in _VARIANTS:
-        command = [python, "-P", script, variant, file, film.width, film.height, samples, BATCHES, means]
-        done = subprocess.run(
-            [str(word) for word in command], check=False, capture_output=True, text=True, timeout=_SECONDS
-        )
-        if not done.returncode:
-            return np.asarray(np.load(means), dtype=np.float64)
-        if _POLARIZED not in done.stderr:
-            break
-    raise RefusedByPeer(done.stderr.strip().splitlines()[-1])
+        try:
+            frames = frames_of(python, file, samples, BATCHES, folder, variant=variant, film=size)
+            return np.asarray(frames[..., :3].mean(axis=(1, 2)))
+        except CalledProcessError as error:
+            refused = error.stderr
+            if _POLARIZED not in refused:
+                break
+    raise RefusedByPeer(refused.strip().splitlines()[-1])
 
 
 def _of(batches: Values) -> tuple[Values, Values]:

@@ -2,7 +2,6 @@
 
 import re
 import shutil
-import subprocess
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -14,13 +13,13 @@ from nocturne_client.local.programs import CHECKOUT
 from nocturne_scene.film import Film
 from nocturne_scene.formats.mitsuba.read.units import CANDELAS_PER_UNIT
 
+from bench.peer.contenders import frames_of
 from tests.accuracy.tracing import Document, write
 from tests.crossings.methods import Readings, Values, quarters
 from tests.crossings.scenes import Scene
 from tests.crossings.sensors import CAMERA
 
 PYTHON = CHECKOUT / "build" / "peers" / "bin" / "python"
-_SCRIPT = Path(__file__).parents[1] / "mitsuba" / "mitsuba_batches.py"
 _ROUNDS = 12
 """Each round removes all reported problems; a scene with further problems is left out."""
 _SURFACE = re.compile(r"\$\.surfaces\[(\d+)\](\.?\w*)")
@@ -137,10 +136,8 @@ def traced(document: Document, scene: Scene, folder: Path, samples: int, seeds: 
     """By Mitsuba; its images state no errors, so that those are what seeds scatter by."""
     film = Film(scene.width, scene.height, samples)
     exported = _export(document, folder, film)
-    images = folder / "images.npy"
-    command: list[object] = [PYTHON, "-P", _SCRIPT, "scalar_spectral", exported, samples, seeds, images]
-    subprocess.run([*map(str, command)], check=True, capture_output=True)
-    means = np.array([_regions(each) for each in np.load(images).astype(np.float64)]) * CANDELAS_PER_UNIT
+    frames = frames_of(PYTHON, exported, samples, seeds, folder)
+    means = np.array([_regions(each) for each in frames]) * CANDELAS_PER_UNIT
     errors = np.broadcast_to(means.std(axis=0, ddof=1), means.shape)
     return Readings(("X", "Y", "Z"), means, errors, np.full(means.shape[:2], np.nan), 0.0)
 

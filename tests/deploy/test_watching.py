@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 import yaml
-from nocturne_api.background.space import Space
+from nocturne_api.background.space import DiskQuota
 from nocturne_api.operations.health import metrics_text
 from nocturne_coordinator.store.data_folder import DataFolder
 
@@ -16,7 +16,7 @@ KUBERNETES = DEPLOY / "kubernetes"
 
 def metric_names(tmp_path: Path) -> set[str]:
     folder = DataFolder(tmp_path / "data")
-    space = Space(folder.root, 0.0).figures()
+    space = DiskQuota(folder.root, 0.0).figures()
     try:
         return set(re.findall(r"^(nocturne_\w+)", metrics_text(folder, space).decode(), re.MULTILINE))
     finally:

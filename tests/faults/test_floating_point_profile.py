@@ -3,7 +3,6 @@
 import time
 from collections.abc import Callable
 
-import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
 from nocturne.v1 import job_pb2
@@ -12,18 +11,10 @@ from nocturne_coordinator.dispatch.profiles import REDONE_SECONDS
 from nocturne_coordinator.queue import keys
 
 from tests.coordinator.service import Service, wait_until
-from tests.coordinator.simulated_worker import Alter, SimulatedWorker, unaltered
+from tests.coordinator.simulated_worker import Alter, SimulatedWorker, rounds_otherwise, unaltered
 from tests.faults.survival import SOME_DELAY, check_survived
 
 MOST, ODD = "a" * 16, "b" * 16
-
-
-def rounds_otherwise(result: job_pb2.JobResult) -> list[job_pb2.JobResult | bytes]:
-    """Every sum is one unit in the last place larger, as those of a correct worker of another profile may
-    be."""
-    sums = np.frombuffer(result.partial.sums, dtype="<f8")
-    result.partial.sums = np.nextafter(sums, np.inf).tobytes()
-    return [result]
 
 
 @pytest.fixture

@@ -23,7 +23,7 @@ from nocturne_coordinator.replay import read_lines, replay
 from nocturne_coordinator.store.worker_records import WorkerRecords
 from nocturne_scene.ranges import extended_schedule
 
-from tests.coordinator.simulated_worker import Shuffled
+from tests.coordinator.simulated_worker import Shuffled, one_bit, rounds_otherwise
 from tests.coordinator.test_result_handler import SPOILT
 from tests.coordinator.world import Crashed, World
 from tests.faults.test_lies import Flooder, Forger
@@ -196,11 +196,6 @@ def test_all_workers_are_gone_for_ten_minutes() -> None:
 def test_profiles_are_never_mixed() -> None:
     """W8: an odd worker that was first and alone is outvoted; it is not counted as faulty."""
 
-    def rounds_otherwise(result: job_pb2.JobResult) -> list[job_pb2.JobResult | bytes]:
-        sums = np.frombuffer(result.partial.sums, dtype="<f8")
-        result.partial.sums = np.nextafter(sums, np.inf).tobytes()
-        return [result]
-
     world = World()
     world.start()
     render = world.create(4000)
@@ -260,12 +255,6 @@ def test_workers_end_in_order(seed: int) -> None:
 
 def test_a_liar_is_found_and_its_work_done_again() -> None:
     """L1: by one unit in the last place; in a render that had ended, too."""
-
-    def one_bit(result: job_pb2.JobResult) -> list[job_pb2.JobResult | bytes]:
-        sums = np.frombuffer(result.partial.sums, dtype="<f8").copy()
-        sums[0] = np.nextafter(sums[0], np.inf)
-        result.partial.sums = sums.tobytes()
-        return [result]
 
     world = World(settings=Settings(commit_seconds=0.1, audit_share=0.5, audit_share_new=0.5))
     world.start()

@@ -4,24 +4,17 @@ import random
 import time
 from itertools import cycle
 
-import numpy as np
 from nocturne.v1 import job_pb2
 from nocturne_coordinator.queue import keys
 
 from tests.coordinator.service import Service, wait_until
-from tests.coordinator.simulated_worker import SimulatedWorker
+from tests.coordinator.simulated_worker import SimulatedWorker, one_bit
 from tests.coordinator.test_result_handler import SPOILT
 from tests.faults.survival import OVERDUE_SOON, SOME_DELAY, check_survived, note
 
 
 def test_a_liar_is_found_and_its_work_done_again(service: Service) -> None:
     """L1: by one unit in the last place of one number."""
-
-    def one_bit(result: job_pb2.JobResult) -> list[job_pb2.JobResult | bytes]:
-        sums = np.frombuffer(result.partial.sums, dtype="<f8").copy()
-        sums[0] = np.nextafter(sums[0], np.inf)
-        result.partial.sums = sums.tobytes()
-        return [result]
 
     service.start("", "--audit-share-new", "0.5")
     before = service.create(samples=16, request_id="before")

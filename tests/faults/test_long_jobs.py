@@ -1,7 +1,5 @@
 """Real workers and scenes that would hold them: no job keeps a thread."""
 
-import os
-import resource
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,6 +9,7 @@ import httpx
 import pytest
 from nocturne_coordinator.queue import keys
 
+from bench.programs import children_cpu_s, running_cpu_s
 from tests.system.renders import has_ended, wait_for_more_ranges
 from tests.system.service_processes import ServiceProcesses
 from tests.system.waiting import wait_for
@@ -67,18 +66,6 @@ def _held(service: ServiceProcesses) -> list[bytes]:
     return [entry for worker in service.workers for entry in service.jobs_held_by(worker)]
 
 
-def _cpu_s(pid: int) -> float:
-    """User and system time of a running process; see proc(5)."""
-    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-
-
-def _cpu_s_of_ended() -> float:
-    """Processor time of all children that have ended and were waited for."""
-    used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime
-
-
 def _all_threads_are_held(service: ServiceProcesses) -> bool:
     return all(service.jobs_held_by(worker) for worker in service.workers)
 
@@ -89,9 +76,9 @@ def test_a_render_that_is_let_go_frees_its_threads(verb: str, service: ServicePr
     hostile = submit(service, ENDLESS, 4)
     wait_for(lambda: _all_threads_are_held(service), "all threads to be held")
     httpx.post(f"{service.url}/v1/renders/{hostile}:{verb}", json={}).raise_for_status()
-    before = [_cpu_s(worker.pid) for worker in service.workers.values()]
+    before = [running_cpu_s(worker.pid) for worker in service.workers.values()]
     wait_for(lambda: not _held(service), "the threads to be free")
-    after = [_cpu_s(worker.pid) for worker in service.workers.values()]
+    after = [running_cpu_s(worker.pid) for worker in service.workers.values()]
     assert all(b - a < FREE_S for a, b in zip(before, after, strict=True))
     good = submit(service, QUICK, 4, 32)
     wait_for(lambda: has_ended(service.client, good), "another render to end")
@@ -104,9 +91,9 @@ def test_a_worker_told_to_end_frees_its_threads(service: ServiceProcesses) -> No
     wait_for(lambda: _all_threads_are_held(service), "all threads to be held")
     name = next(iter(service.workers))
     # Of its whole life, when it has ended.
-    before = _cpu_s(service.workers[name].pid) + _cpu_s_of_ended()
+    before = running_cpu_s(service.workers[name].pid) + children_cpu_s()
     service.end_worker(name)
-    assert _cpu_s_of_ended() - before < FREE_S
+    assert children_cpu_s() - before < FREE_S
 
 
 @pytest.mark.parametrize("service", ["0.1"], indirect=True)

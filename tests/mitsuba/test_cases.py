@@ -1,6 +1,5 @@
 """Where Mitsuba's files are easily misread, imported, against its renders: boxes of media, depth, lamps."""
 
-import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +7,7 @@ import pytest
 from nocturne_scene.formats.import_scene import import_scene
 from nocturne_scene.formats.reading.options import ImportOptions
 
+from bench.peer.contenders import frames_of
 from tests.mitsuba.renders import Batches
 from tests.mitsuba.test_exports import PYTHON
 
@@ -74,10 +74,7 @@ def test_as_much_light_as_mitsuba(name: str, tmp_path: Path) -> None:
     scene.write_text(
         SCENE.format(samples=_SAMPLES, integrator=integrator, depth=depth, hidden=hidden, body=body)
     )
-    script = Path(__file__).with_name("mitsuba_batches.py")
-    command = [PYTHON, "-P", script, "scalar_spectral", scene, _SAMPLES, _BATCHES, tmp_path / "theirs.npy"]
-    subprocess.run([str(word) for word in command], check=True, capture_output=True)
-    theirs = np.load(tmp_path / "theirs.npy").mean(axis=(1, 2))
+    theirs = frames_of(PYTHON, scene, _SAMPLES, _BATCHES, tmp_path).mean(axis=(1, 2))
     imported = import_scene(scene, tmp_path / "ours", ImportOptions())
     ours = Batches(imported, tmp_path / "compiled", _BATCHES, _SAMPLES).means()
     ratio = ours.mean(axis=0) / theirs.mean(axis=0)

@@ -4,10 +4,8 @@ False alarms for a scene: 0.01 for the tiles, 0.008 for the means. Seeds are fix
 """
 
 import json
-import subprocess
 from pathlib import Path
 
-import numpy as np
 import pytest
 from nocturne_client.local.exporting import export_to
 from nocturne_client.local.programs import CHECKOUT
@@ -17,6 +15,7 @@ from nocturne_scene.formats.mitsuba.read.units import CANDELAS_PER_UNIT
 from nocturne_scene.formats.reading.options import Imported
 from nocturne_scene.formats.reading.scene_writer import FilmSettings
 
+from bench.peer.contenders import frames_of
 from bench.scenes import example
 from tests.mitsuba.export_scenes import SCENES
 from tests.mitsuba.renders import Batches
@@ -40,19 +39,16 @@ REPOSITORY = {
 }
 
 
-def theirs(scene: Path, samples: int, image: Path) -> Estimate:
+def theirs(scene: Path, samples: int, folder: Path) -> Estimate:
     """What Mitsuba makes of a scene, in its unit."""
-    script = Path(__file__).with_name("mitsuba_batches.py")
-    command = [PYTHON, "-P", script, "scalar_spectral", scene, str(samples), str(BATCHES), image]
-    subprocess.run([str(word) for word in command], check=True, capture_output=True)
-    frames = np.load(image).astype(np.float64)
+    frames = frames_of(PYTHON, scene, samples, BATCHES, folder)
     return Estimate(frames.mean(axis=0), frames.var(axis=0, ddof=1) / BATCHES, BATCHES - 1)
 
 
 def check(document: Path, folder: Path, samples: tuple[int, int]) -> None:
     """Both renderers' images must agree, but for noise."""
     exported = export_to(document, folder / "mitsuba", "mitsuba", Film(WIDTH, HEIGHT, samples[1]))
-    reference = theirs(exported.scene, samples[1], folder / "images.npy")
+    reference = theirs(exported.scene, samples[1], folder)
     scene = Imported(document, FilmSettings(WIDTH, HEIGHT), [], [])
     image = Batches(scene, folder / "compiled", BATCHES, samples[0]).render()
     found = compare(image, reference)

@@ -1,6 +1,5 @@
 """Spheres of Mitsuba's principled material, imported, against its renders: how much light they send back."""
 
-import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +7,7 @@ import pytest
 from nocturne_scene.formats.import_scene import import_scene
 from nocturne_scene.formats.reading.options import ImportOptions
 
+from bench.peer.contenders import frames_of
 from tests.mitsuba.renders import Batches
 from tests.mitsuba.test_exports import PYTHON
 
@@ -64,10 +64,7 @@ def test_a_sphere_sends_back_as_much_light(name: str, light: str, tmp_path: Path
     scene = tmp_path / "scene.xml"
     scene.write_text(SCENE.format(samples=_SAMPLES, light=light, numbers=numbers))
     variant = "scalar_rgb" if name in IN_RGB else "scalar_spectral"
-    script = Path(__file__).with_name("mitsuba_batches.py")
-    command = [PYTHON, "-P", script, variant, scene, _SAMPLES, 1, tmp_path / "theirs.npy"]
-    subprocess.run([str(word) for word in command], check=True, capture_output=True)
-    theirs = np.load(tmp_path / "theirs.npy")[0].mean(axis=(0, 1))
+    theirs = frames_of(PYTHON, scene, _SAMPLES, 1, tmp_path, variant=variant)[0].mean(axis=(0, 1))
     imported = import_scene(scene, tmp_path / "ours", ImportOptions())
     ours = Batches(imported, tmp_path / "compiled", 2, _SAMPLES // 2).render().mean.mean(axis=(0, 1))
     ratio = ours / theirs

@@ -57,7 +57,7 @@ NEAR = {
 
 # Scenes that have unsupported parts, with the importer's messages.
 REFUSED = {
-    "various_shapes/test_various_shapes_path": 'no equal of the shape "sdfgrid"',
+    "various_shapes/test_various_shapes_path": 'no support for the shape "sdfgrid"',
 }
 
 

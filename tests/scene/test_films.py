@@ -1,4 +1,4 @@
-"""Coatings and glazings as messages; mistakes are told with their places."""
+"""Coatings and glazings as messages; mistakes are reported with their places."""
 
 from typing import Any
 

@@ -74,6 +74,6 @@ def test_a_wait_ends_when_the_render_is_cancelled(add_on: ModuleType, busy: tupl
     service = add_on.Service(busy[0], on_wait=cancelled)
     with pytest.raises(Cancelled):
         service.create(add_on.Job("", {}, 8, 8, 1, {}))
-    # That it is told at once.
+    # The failure is reported at once.
     service.cancel("r-1")
     assert busy[1] == ["/v1/renders", "/v1/renders/r-1:cancel"]

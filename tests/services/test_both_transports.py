@@ -146,7 +146,7 @@ async def _by_rest(rest: httpx.AsyncClient, method: str, asked: dict[str, Any]) 
 
 
 def _plain(message: Message) -> dict[str, Any]:
-    """As JSON of REST has it: states without their prefix, null for what is absent."""
+    """As JSON of REST has it: states without their prefix, null for absent values."""
     found: dict[str, Any] = {}
     for field in message.DESCRIPTOR.fields:
         value = getattr(message, field.name)
@@ -195,7 +195,7 @@ async def test_a_call_has_the_answer_of_rest(
             assert each["secret"].startswith("whsec_")
             del each["id"], each["secret"], each["created"]
     if method == "ListWebhooks":
-        # A message that is sent meanwhile changes what is listed: between two equal answers nothing did.
+        # A message that is sent meanwhile changes the list: between two equal answers nothing did.
         before = None
         while before != same:
             before = same

@@ -142,7 +142,7 @@ def test_sighup_reads_it_again_and_ends_nothing(tmp_path: Path) -> None:
             stamps = [(each, each.stat()) for each in (certificate, key)]
             write(tmp_path, trustme.CA())
             for path, before in stamps:
-                # Nothing but the signal tells that it is new.
+                # Only the signal says that it is new.
                 os.utime(path, ns=(before.st_atime_ns, before.st_mtime_ns))
             api.send_signal(signal.SIGHUP)
             until_shown(port, certificate)

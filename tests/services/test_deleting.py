@@ -15,7 +15,7 @@ from nocturne.v1 import render_service_pb2_grpc
 from nocturne_api.service import Service, Settings, open_service
 from nocturne_client import Client
 from nocturne_client.cli.app import app
-from nocturne_coordinator.errors import FilesGone, WrongState
+from nocturne_coordinator.errors import BlobsMissing, WrongState
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.object_store import ObjectStore
 from nocturne_coordinator.store.removal import delete_render, sweep
@@ -185,7 +185,7 @@ async def test_a_scene_whose_files_went_meanwhile_is_compiled_again(
     }
     first = await ended(rest, folder, body, "a")
     create_all = Renders.create_all
-    refused: list[FilesGone] = []
+    refused: list[BlobsMissing] = []
 
     def late(self: Renders, new: Any, quota: Any) -> Any:
         if not refused:
@@ -193,7 +193,7 @@ async def test_a_scene_whose_files_went_meanwhile_is_compiled_again(
             sweep(folder)
         try:
             return create_all(self, new, quota)
-        except FilesGone as gone:
+        except BlobsMissing as gone:
             refused.append(gone)
             raise
 

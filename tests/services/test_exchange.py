@@ -44,7 +44,7 @@ def test_import_names_what_is_missing(runner: CliRunner, tmp_path: Path) -> None
     assert found.exception.problems[0].place == "a.xml:5"
     found = runner.invoke(app, [*command, "--allow-missing"])
     assert found.exit_code == 0
-    assert 'missing: a.xml:5: no equal of the bsdf "hair"' in found.stderr
+    assert 'missing: a.xml:5: no support for the bsdf "hair"' in found.stderr
 
 
 def test_compare_by_the_variance_of_one_sample(runner: CliRunner, tmp_path: Path) -> None:

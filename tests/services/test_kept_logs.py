@@ -1,4 +1,4 @@
-"""Logs of `nocturne up` outlive its next starts, and do not grow for ever."""
+"""Logs of `nocturne up` outlive its next starts, and do not grow without end."""
 
 from pathlib import Path
 

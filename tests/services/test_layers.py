@@ -10,7 +10,7 @@ import numpy as np
 import OpenEXR
 import pytest
 from nocturne_api.background.layers_maker import LayersMaker
-from nocturne_api.background.space import Space
+from nocturne_api.background.space import DiskQuota
 from nocturne_api.compiling.pool import WARM_SCENE, CompileLimits, layers_in_child
 from nocturne_api.files.current_image import write_current
 from nocturne_coordinator.output.pictures import layers_of
@@ -149,7 +149,7 @@ async def test_who_has_many_keeps_nobody_else_waiting(
         give_up(render_id, warning)
 
     monkeypatch.setattr(folder.layers, "give_up", note)
-    maker = LayersMaker(folder, asyncio.to_thread, CompileLimits(), Space(folder.root, 0.0))
+    maker = LayersMaker(folder, asyncio.to_thread, CompileLimits(), DiskQuota(folder.root, 0.0))
     maker.start()
     await until(lambda: not folder.layers.due())
     await maker.close()
@@ -175,7 +175,7 @@ async def test_one_that_fails_for_now_holds_no_place(
 
     monkeypatch.setattr(folder.layers, "get_due", get)
     monkeypatch.setattr("nocturne_api.background.layers_maker.layers_in_child", fails)
-    maker = LayersMaker(folder, asyncio.to_thread, CompileLimits(), Space(folder.root, 0.0))
+    maker = LayersMaker(folder, asyncio.to_thread, CompileLimits(), DiskQuota(folder.root, 0.0))
     maker.start()
     await until(lambda: other not in {render_id for render_id, _ in folder.layers.due()})
     await maker.close()
@@ -189,9 +189,9 @@ async def test_wait_for_room_in_a_bounded_folder(
     """Nothing is made beyond the bound; layers in progress count, and are reported to other requests."""
     render_id = queue_with_layers(folder, "ann", "one")
     size_bytes = 4 * 8 * 8
-    space = Space(folder.root, 0.0)
+    space = DiskQuota(folder.root, 0.0)
     bound = space.figures()["data_bytes"] + size_bytes + more_bytes
-    space = Space(folder.root, bound)
+    space = DiskQuota(folder.root, bound)
     begun: list[float] = []
 
     def fails(*_: object) -> str:
@@ -223,7 +223,7 @@ async def test_can_be_closed_when_a_render_comes_just_then(folder: DataFolder) -
         return []
 
     for turns in range(8):
-        maker = LayersMaker(folder, nothing_is_due, CompileLimits(), Space(folder.root, 0.0))
+        maker = LayersMaker(folder, nothing_is_due, CompileLimits(), DiskQuota(folder.root, 0.0))
         maker.start()
         for _ in range(20):
             await asyncio.sleep(0)

@@ -129,7 +129,7 @@ def test_compile_says_what_it_left_out(
     said = capsys.readouterr()
     left_out, way = said.err.splitlines()
     assert left_out == "left out: $.spectra.spare: nothing uses it"
-    assert way.startswith("traced by photons from the sensor: no other way was found better")
+    assert way.startswith("traced by photons from the sensor: no other method was found better")
     assert len(said.out.strip()) == 64
 
 
@@ -151,7 +151,7 @@ def test_compile_names_all_problems(scene: dict[str, Any], tmp_path: Path) -> No
 
 
 def test_a_terminal_without_letters_shows_numbers() -> None:
-    """As under LC_ALL=POSIX, where Python is told to use neither UTF-8 nor another locale."""
+    """As under LC_ALL=POSIX, where Python's settings exclude UTF-8 nor another locale."""
     posix = {"LC_ALL": "POSIX", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
     show = "from nocturne_client.cli.app import main; from nocturne_client.console import CONSOLE; import sys"
     said = subprocess.run(

@@ -1,4 +1,4 @@
-"""/readyz tests what the service is for, and says what fails; a locked database is told of soon."""
+"""/readyz tests the service's functions, and names those that fail; a locked database is reported soon."""
 
 import asyncio
 import sqlite3
@@ -53,7 +53,7 @@ def works(folder: DataFolder, seen: float, **meters: float) -> None:
 
 
 async def test_merging_needs_a_coordinator_that_writes(rest: httpx.AsyncClient, folder: DataFolder) -> None:
-    assert await failing(rest) == {"merging": "No coordinator works on the data folder."}
+    assert await failing(rest) == {"merging": "No coordinator works on the data folder: start one."}
     assert (await rest.get("/readyz?exclude=merging")).json()["ready"]
     works(folder, time.time())
     assert await failing(rest) == {}

@@ -29,7 +29,7 @@ WARNINGS = (
 @pytest.fixture
 def render_id(folder: DataFolder) -> str:
     schedule = make_schedule(16, 8, 4)
-    way = "photons from the sensor: no other way was found better"
+    way = "photons from the sensor: no other method was found better"
     return folder.renders.create(
         NewRender("q", "", "5c" * 32, "{}", 16, 8, 4, schedule, warnings=WARNINGS, way=way)
     ).id
@@ -52,7 +52,7 @@ async def test_the_command_line_says_them_and_programs_get_them(
         assert f"warning {each.sentence}" in rows
     # No sentence is taken apart.
     assert rows.count("warning ") == len(WARNINGS)
-    assert "traced by photons from the sensor: no other way was found better" in rows
+    assert "traced by photons from the sensor: no other method was found better" in rows
     print_renders([render], as_json=True)
     listed = json.loads(capsys.readouterr().out)
     assert listed["warnings"] == json.loads(json.dumps([asdict(each) for each in WARNINGS]))

@@ -7,7 +7,7 @@ from typing import Any
 import httpx
 import pytest
 from nocturne.v1 import job_pb2
-from nocturne_api.operations.status_reason import Situation, sentence
+from nocturne_api.operations.status_reason import Situation, sentence, situation_of
 from nocturne_coordinator.dispatch.job_cost import USUAL_COST
 from nocturne_coordinator.dispatch.records import RenderState, WorkerRow
 from nocturne_coordinator.dispatch.stopping import EVERYTHING
@@ -63,13 +63,22 @@ async def test_why_tells_the_first_thing_in_the_way(
         ),
         ({"render": running, "running": 3}, "shared with 2 other renders. It should end"),
         ({"running": 8}, "until one of 8 running renders ends"),
-        ({"render": {"width": 8192, "height": 8192}}, "only one such render runs at a time"),
+        ({"is_large": True}, "only one such render runs at a time"),
         ({"running": 0}, "about to start"),
         ({"render": running}, "in 10 minutes"),
         ({"render": {**running, "tiles_done": 2}}, "audits"),
         ({"render": {**running, "photons_per_second": 0.0}}, "No result came back"),
     ):
         assert words in sentence(situation(folder, **changes), 1000.0)
+
+
+async def test_films_are_large_by_the_rule_that_takes_them_up(
+    body: dict[str, Any], rest: httpx.AsyncClient, folder: DataFolder, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    render_id = (await rest.post("/v1/renders", json=body)).json()["id"]
+    assert not situation_of(folder, render_id).is_large
+    monkeypatch.setattr("nocturne_coordinator.limits.MAX_RUNNING_SUMS", 1)
+    assert situation_of(folder, render_id).is_large
 
 
 async def test_metrics_are_what_prometheus_reads(
@@ -100,7 +109,7 @@ def _metrics(text: str) -> dict[tuple[str, ...], float]:
 async def test_counters_do_not_fall(
     body: dict[str, Any], rest: httpx.AsyncClient, folder: DataFolder
 ) -> None:
-    """Whatever is deleted, or thrown away to be traced anew."""
+    """Whatever is deleted, or thrown away to be traced again."""
     render_id = (await rest.post("/v1/renders", json=body)).json()["id"]
     folder.database.execute("UPDATE render SET photons_per_sample = 1")
     work = "UPDATE render SET photons = ?, rays = ?, cpu_seconds = ? WHERE id = ?"

@@ -9,9 +9,9 @@ import grpc
 import pytest
 from nocturne.v1 import asset_service_pb2, asset_service_pb2_grpc, render_service_pb2_grpc
 from nocturne.v1 import render_service_pb2 as pb
-from nocturne_api.access import Pace, secret_in
+from nocturne_api.access import RateLimiter, secret_in
 from nocturne_api.addresses import AddressError, check_host
-from nocturne_api.errors import TooMany, Unauthenticated
+from nocturne_api.errors import RateLimited, Unauthenticated
 from nocturne_api.limits import CALLS_AT_ONCE, CALLS_PER_SECOND
 from nocturne_api.service import Service, Settings
 from nocturne_client import Client
@@ -145,14 +145,14 @@ def test_an_address_that_others_can_reach_needs_tokens_and_tls() -> None:
 
 
 def test_too_many_calls_are_refused_for_a_while() -> None:
-    pace = Pace()
+    pace = RateLimiter()
     for _ in range(int(CALLS_AT_ONCE)):
         pace.take("a", 0.0)
-    with pytest.raises(TooMany):
+    with pytest.raises(RateLimited):
         pace.take("a", 0.0)
     pace.take("b", 0.0)
     pace.take("a", 1.01 / CALLS_PER_SECOND)
-    with pytest.raises(TooMany):
+    with pytest.raises(RateLimited):
         pace.take("a", 1.02 / CALLS_PER_SECOND)
 
 

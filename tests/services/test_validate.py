@@ -51,6 +51,6 @@ def test_no_such_suite() -> None:
 
 
 def test_help_names_all_suites() -> None:
-    """It is a list of its own: the suites are long to import."""
+    """It is a separate list: the suites are long to import."""
     [argument] = get_type_hints(validate, include_extras=True)["suites"].__metadata__
     assert argument.help == f"{', '.join(suite.name for suite in SUITES)}; all without."

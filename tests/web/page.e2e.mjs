@@ -592,7 +592,7 @@ const checks = {
     await type(page.getByLabel("Height, pixels"), "12");
     await type(page.getByLabel("Stop at a relative error of, %", { exact: true }), "20");
     await page.getByRole("button", { name: "Preflight" }).press("Enter");
-    const cells = (part) => page.locator(".preflight tr").filter({ has: page.getByText(part, { exact: true }) }).locator("td").allTextContents();
+    const cells = (part) => page.locator(".preflight tr").filter({ has: page.getByText(part, { exact: true }) }).locator("th, td").allTextContents();
     // It gives way to all else that the machine does.
     await page.getByText(/^Enough for 20 %: without medium "fog"/).waitFor({ timeout: 400_000 });
     const [, , , cost, verdict] = await cells('without medium "fog"');
@@ -610,13 +610,13 @@ const checks = {
     await page.goto(at("#/"));
   },
 
-  async "another renderer's scene is imported, without what has no equal if that is wanted"({ page }) {
+  async "another renderer's scene is imported, without what is not supported if that is wanted"({ page }) {
     await page.goto(at("#/"));
     const text = `<scene version="3.0.0"><sensor type="perspective"><float name="fov" value="40"/>
       <film type="hdrfilm"><integer name="width" value="24"/><integer name="height" value="16"/></film></sensor>
       <shape type="sphere"><point name="center" z="5"/><emitter type="area"/></shape><shape type="nonsense"/></scene>`;
     await page.getByLabel("choose a file").setInputFiles({ name: "ball.xml", mimeType: "text/xml", buffer: Buffer.from(text) });
-    await page.locator(".problems").getByText(/no equal of the shape "nonsense"/).waitFor();
+    await page.locator(".problems").getByText(/no support for the shape "nonsense"/).waitFor();
     await page.getByRole("button", { name: "Import without these" }).press("Enter");
     await page.getByText("ball.xml is imported").waitFor();
     assert.equal(await page.getByLabel("Width, pixels").inputValue(), "24");
@@ -874,7 +874,7 @@ const onlyWhenWhole = [
   "a group is shown as one, by the link of its renders",
   "glare is told of what is all around an eye",
   "a scene is found, and rendered without what it does not need",
-  "another renderer's scene is imported, without what has no equal if that is wanted",
+  "another renderer's scene is imported, without what is not supported if that is wanted",
   "frames and variants of a scene are a group",
   "a render that will miss its error in time says so, and the browser tells of it",
   "a worker in quarantine is released, by keyboard",

@@ -77,9 +77,9 @@ int run(const std::function<nlohmann::json()>& command, const GridLimits& limits
 
 int main(int argc, char** argv) {
   CLI::App app(
-      "Density grids: says what is in an OpenVDB file, converts one for the worker, makes one from "
-      "arrays, and arrays again. Answers are JSON on standard output; whatever can't be used ends "
-      "with status 2.");
+      "Density grids: lists the grids of an OpenVDB file, converts one for the worker, makes one "
+      "from arrays, and arrays again. Answers are JSON on standard output; whatever can't be used "
+      "ends with status 2.");
   app.require_subcommand(1);
   nocturne::GridLimits limits;
   std::string input, output, name;

@@ -12,6 +12,7 @@ from nocturne_scene.ranges import ranges_planned
 
 from nocturne_coordinator.dispatch.commits import Commits
 from nocturne_coordinator.dispatch.events import Moment, RendersSeen
+from nocturne_coordinator.dispatch.film_memory import why_too_large
 from nocturne_coordinator.dispatch.instructions import (
     ERROR,
     INFO,
@@ -253,7 +254,7 @@ class Admission:
             )
             yield from self.end(row, RenderState.FAILED, reason)
             return
-        if reason := self._room.too_large(row):
+        if reason := why_too_large(row.schedule, self._state.settings.memory_bytes):
             yield from self.end(row, RenderState.FAILED, reason)
             return
         if row.state is RenderState.QUEUED and 0.0 < row.stop.until <= at.unix and not row.totals.photons:

@@ -38,8 +38,8 @@ _SHOW_SECONDS = 0.5
 """After so much of it, results are merged before the next picture."""
 
 _FULL_SHARES = 2
-"""Where more renders than these are at work, they divide what so many would have: what people look at shall
-not cost more the more there is to look at."""
+"""Where more renders than these are at work, they divide the share of so many: pictures that people look at
+shall not cost more the more there is to look at."""
 
 
 class Commits:

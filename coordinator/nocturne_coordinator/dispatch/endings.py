@@ -101,7 +101,7 @@ class Endings:
             self._pictured_at.pop(render.id, None)
             yield from self._commits.show_final(render, made)
             if made.apart is not None:
-                # What is said of the error is known now.
+                # The sentences about the error are known now.
                 state, reason = render.ending(at.now, at.unix) or (state, reason)
         if disputed := self._state.auditor.disputed(render.id):
             key, workers = disputed[0]

@@ -2,8 +2,8 @@
 elsewhere.
 
 Pure. A failure is charged to a worker only when another one then does the job, so a scene that nobody can
-trace costs no worker its place. A worker that says farewell, or is only slow, has not failed. What was longer
-ago than an hour is forgotten: everybody fails at times, and a coordinator lives for months.
+trace costs no worker its place. A worker that says farewell, or is only slow, has not failed. Failures that
+were longer ago than an hour are forgotten: everybody fails at times, and a coordinator lives for months.
 
 A process that died with a job in hand may have died of it, or because somebody pulled a plug. Where plugs are
 pulled often, three deaths at one job, or three of a worker in a row, come about by chance in a long night; so
@@ -29,10 +29,10 @@ _CHARGED_SECONDS = 3600.0
 _LIES_SECONDS = 86400.0
 
 _LONG, _SHORT = 3600.0, 60.0
-"""Half-lives of what is counted of deaths: processes die at a rate, and at times many at once."""
+"""Half-lives of the counts of deaths: processes die at a rate, and at times many at once."""
 
 _ENOUGH = 1000.0
-"""Ends of jobs within the short one that tell how often processes die right now."""
+"""Ends of jobs within the short one that show the current rate of deaths."""
 
 
 @dataclass(slots=True)
@@ -88,13 +88,14 @@ class FailurePolicy:
         """By worker, jobs that others could do, and when they did."""
         self._deaths_in_a_row: dict[str, dict[JobKey, float]] = {}
         self._lies: dict[str, dict[str, float]] = {}
-        """By token, its machines that lied, and when."""
+        """By token, its machines that sent a wrong result, and when."""
         self._long, self._short = _Lately(_LONG), _Lately(_SHORT)
 
     def failed(
         self, key: JobKey, worker: str, reason: str, live: Collection[str], now: float, died: bool = False
     ) -> PoisonedJob | None:
-        """A worker failed at a job, or sent what can't be right, or died; the verdict if the job is at fault.
+        """A worker failed at a job, or sent an impossible result, or died; the verdict if the job is at
+        fault.
 
         `live`: who works now, as far as is known. Where these are too few, it is enough that all of them
         failed, and that it was tried as often.

@@ -228,7 +228,7 @@ class MergedFilm:
 
     def _ends_by_error(self, index: int) -> bool:
         """Whether an error that was asked for of tiles ends the queue: forward photons alone fall where they
-        do, and end by that of the film; beside adjoint ones, with all tiles."""
+        do, and end by that of the film; together with adjoint ones, with all tiles."""
         is_tile = index != self._render.photon_index
         return bool(self._stop.tile_relative_error) and (is_tile or not self._render.ranges)
 

@@ -1,4 +1,4 @@
-"""When a render will end and what it will have cost, from its measured rate and error. Pure."""
+"""Forecast of a render's end and cost, from its measured rate and error. Pure."""
 
 import math
 from collections.abc import Sequence

@@ -1,6 +1,6 @@
 """Forward photons of a film, which fall on any tile: their accumulator, and what tiles show of it. Pure.
 
-The queue of their ranges is published beside those of tiles (`range_queue.py`).
+The queue of their ranges is published together with those of tiles (`range_queue.py`).
 """
 
 from nocturne_scene.photon_sums import with_photons
@@ -17,7 +17,7 @@ _PIXELS_A_SECOND = 2**14
 
 
 class ForwardPhotons:
-    """Sums of forward photons over the whole film. What is shown of a tile are the sums of these and of its
+    """Sums of forward photons over the whole film. A tile is shown with the sums of these and of its
     own samples, which are none where forward photons bring all light."""
 
     def __init__(self, render: PlannedRender) -> None:
@@ -38,7 +38,7 @@ class ForwardPhotons:
         return self._sums.tile(tile_index)
 
     def samples_shown(self, samples: int) -> int:
-        """Of a tile that has so many of its own. None before both kinds have come: half of the light would
+        """Of a tile with so many adjoint samples. None before both kinds have come: half of the light would
         look like an image."""
         if not self.bundles:
             return 0

@@ -10,7 +10,7 @@ from collections.abc import Collection, Iterable, Mapping
 
 from nocturne.v1 import job_pb2
 
-from nocturne_coordinator.dispatch.records import UNKNOWN_CLASS, WorkerRow
+from nocturne_coordinator.dispatch.records import UNKNOWN_PROFILE, WorkerRow
 from nocturne_coordinator.enrolment import machine_of, reason_of, token_of
 
 _DIGEST = re.compile(r"[0-9a-f]{16}")
@@ -24,7 +24,7 @@ _TO_DISCARD = 2
 
 def profile_of(told: str) -> str:
     """What a worker said of itself; all that say nothing, or nonsense, are of one class."""
-    return told if _DIGEST.fullmatch(told) else UNKNOWN_CLASS
+    return told if _DIGEST.fullmatch(told) else UNKNOWN_PROFILE
 
 
 def machines_by_profile(workers: Iterable[WorkerRow], quarantined: Mapping[str, str]) -> Counter[str]:

@@ -14,7 +14,7 @@ from nocturne_coordinator.dispatch.region import Region
 from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions
 from nocturne_coordinator.limits import DEFAULT_PRIORITY
 
-UNKNOWN_CLASS = "unknown"
+UNKNOWN_PROFILE = "unknown"
 """Floating-point profile of workers that don't tell theirs."""
 
 
@@ -55,7 +55,7 @@ class WorkerRow:
     jobs_done: int
     started: float
     seen: float
-    floating_point_profile: str = UNKNOWN_CLASS
+    floating_point_profile: str = UNKNOWN_PROFILE
 
     @property
     def rays_per_second(self) -> float:

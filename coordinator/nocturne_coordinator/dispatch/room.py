@@ -3,13 +3,10 @@
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 
-from nocturne_scene.tile_sums import sums_per_pixel
-
 from nocturne_coordinator import limits
+from nocturne_coordinator.dispatch.film_memory import max_numbers, numbers_of
 from nocturne_coordinator.dispatch.records import OpenRender, RenderState
 from nocturne_coordinator.dispatch.running_render import RunningRender
-
-_NUMBER_BYTES = 8
 
 
 class Room:
@@ -23,43 +20,16 @@ class Room:
         """Whether there is room for one more beside these; `newcomer`: its owner has none at work."""
         if len(renders) >= limits.MAX_RUNNING + (limits.MAX_NEWCOMERS if newcomer else 0):
             return False
-        wanted, most = _numbers_of(row), self._most_numbers
+        wanted, most = numbers_of(row.schedule), max_numbers(self._memory_bytes)
         if wanted > most:
             # One at a time, which takes nothing of the others' room.
-            return all(_numbers_of(render.row) <= most for render in renders)
+            return all(numbers_of(render.row.schedule) <= most for render in renders)
         held: Counter[str] = Counter()
         for render in renders:
-            if (numbers := _numbers_of(render.row)) <= most:
+            if (numbers := numbers_of(render.row.schedule)) <= most:
                 held[render.row.owner] += numbers
         free_for_owner = 2 * most - (held.total() - held[row.owner])
         return held[row.owner] + wanted <= free_for_owner / 2
-
-    @property
-    def _most_numbers(self) -> int:
-        """That an owner's renders may hold where nobody else is."""
-        memory = self._memory_bytes
-        of_memory = int(limits.SUMS_PART_OF_MEMORY * memory / _NUMBER_BYTES / 2)
-        return min(limits.MAX_RUNNING_SUMS, of_memory) if memory else limits.MAX_RUNNING_SUMS
-
-    def too_large(self, row: OpenRender) -> str:
-        """Why a film can never be held, with what makes its pictures; empty: it can."""
-        memory = self._memory_bytes
-        pixels = row.schedule.width * row.schedule.height
-        needed = 2 * _NUMBER_BYTES * _numbers_of(row) + limits.PICTURE_BYTES * pixels + limits.MEMORY_BESIDE
-        if not memory or needed <= memory:
-            return ""
-        return (
-            f"A film of {row.schedule.width} x {row.schedule.height} needs {needed / 2**30:.1f} GiB of "
-            f"memory where the coordinator runs, and there are {memory / 2**30:.1f} GiB: render a smaller "
-            "one, or give the coordinator more."
-        )
-
-
-def _numbers_of(row: OpenRender) -> int:
-    """That a render's sums have: its film's, and with forward photons theirs and those of both together."""
-    per_pixel = sums_per_pixel(len(row.schedule.further_responses))
-    films = 3 if row.schedule.photon_range_ends else 1
-    return films * row.schedule.width * row.schedule.height * per_pixel
 
 
 def is_at_work(row: OpenRender) -> bool:

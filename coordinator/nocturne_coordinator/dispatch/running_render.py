@@ -41,9 +41,6 @@ _HISTORY_STEP = 1.01
 class RunningRender:
     """The film and totals of one render in memory."""
 
-    is_alone = False
-    """In a process of its own: nothing else waits while its error is found."""
-
     def __init__(
         self,
         row: OpenRender,
@@ -67,6 +64,8 @@ class RunningRender:
         self.floating_point_profile = row.floating_point_profile
         """How all its workers round; empty before the first result."""
         self.failed_tiles = {each.tile_index: each for each in row.failed_tiles}
+        self.finds_errors = self.planned.pixels <= MAX_LOOKED_AT_PIXELS
+        """Whether it finds its error itself; else `judged` gets it from a process."""
         self.estimate = ErrorEstimate()
         """Of the error, at the last preview."""
         self._before = self._now = RangeEnd()
@@ -120,11 +119,6 @@ class RunningRender:
     @property
     def id(self) -> str:
         return self.planned.id
-
-    @property
-    def finds_errors(self) -> bool:
-        """Whether it does so itself; else they are told by `judged`."""
-        return self.is_alone or self.planned.pixels <= MAX_LOOKED_AT_PIXELS
 
     def take_layers(self, row: OpenRender) -> None:
         """Takes over what its row says now of layers."""
@@ -496,7 +490,7 @@ class RunningRender:
         return doubt_of(self.estimate)
 
     def judged(self, point: ErrorPoint, estimate: ErrorEstimate) -> tuple[ErrorPoint, bool]:
-        """The error was found elsewhere; gives the point as it is to be told, and whether for the history."""
+        """The error was found elsewhere; gives the point to report, and whether it is for the history."""
         self._took(estimate)
         point = replace(point, doubt=self.doubt)
         return point, self._is_for_history(point)

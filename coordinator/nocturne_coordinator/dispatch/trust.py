@@ -112,7 +112,7 @@ def samples_to_stop(
         return math.inf
     now = RangeEnd.of(estimate)
     error = now.error or estimate.relative_error
-    # What does not have it now has it at the next range end at best.
+    # A film that does not have it now has it at the next range end at best.
     at_best = samples if now.meets(asked) else math.nextafter(samples, math.inf)
     needed = max(min_samples(estimate.pixels), _A_LITTLE_LESS * samples * (error / asked) ** 2, at_best)
     first = bisect_left(range_ends, needed)

@@ -45,7 +45,8 @@ def main() -> int:
         most = _MEMORY + _MEMORY_PER_PIXEL * row.schedule.width * row.schedule.height
         resource.setrlimit(resource.RLIMIT_AS, (most, most))
         render = RunningRender(row, tiles_of(folder.database, render_id))
-    render.is_alone = True
+    # Nothing else waits for this process.
+    render.finds_errors = True
     written = write_pictures(folder, render, place, final)
     if final:
         for path in written:

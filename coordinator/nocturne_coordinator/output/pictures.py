@@ -79,7 +79,7 @@ class Painted:
     cpu_seconds: float
 
     def remove(self) -> None:
-        """What is not moved is gone."""
+        """Deletes the files that were not moved."""
         shutil.rmtree(self.folder, ignore_errors=True)
 
 

@@ -14,6 +14,7 @@ from nocturne_coordinator.dispatch.events import MadeApart, Moment, PicturesMade
 from nocturne_coordinator.dispatch.records import FailedTile, OpenRender
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.errors import LeaseLost
+from nocturne_coordinator.heartbeat import Heartbeat
 from nocturne_coordinator.output.images import (
     FINAL_COMPRESSION,
     LIVE_COMPRESSION,
@@ -30,7 +31,6 @@ from nocturne_coordinator.output.pictures import (
     PictureProcesses,
     write_image_of,
 )
-from nocturne_coordinator.sign_of_life import SignOfLife
 from nocturne_coordinator.store.bundle import write_bundle
 from nocturne_coordinator.store.data_folder import DataFolder, make_folders
 from nocturne_coordinator.store.ledger import Ledger
@@ -48,9 +48,9 @@ class Previews:
     All methods raise LeaseLost where another coordinator has the render.
     """
 
-    def __init__(self, folder: DataFolder, ledger: Ledger, alive: SignOfLife | None = None) -> None:
+    def __init__(self, folder: DataFolder, ledger: Ledger, alive: Heartbeat | None = None) -> None:
         """`alive` is notified of work that takes long."""
-        self._alive = alive or SignOfLife()
+        self._alive = alive or Heartbeat()
         self._folder = folder
         self._ledger = ledger
         self._pauses = Pauses()
@@ -64,7 +64,7 @@ class Previews:
 
     def finish_ended(self, unix_time: float) -> None:
         """Final images of renders that were cancelled or failed, from committed sums. One whose images can't
-        be made is tried again later, and keeps nobody else's."""
+        be made is tried again later, and delays no other render's."""
         for waiting in self._ledger.renders.ended_without_image():
             if self._is_apart(waiting):
                 self._finish_apart(waiting)

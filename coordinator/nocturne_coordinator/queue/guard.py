@@ -1,4 +1,4 @@
-"""Lets only machines that enrolled work through Redis, and believes only what they signed."""
+"""Lets only enrolled machines work through Redis, and accepts only results that they signed."""
 
 from collections.abc import Mapping
 from typing import Any

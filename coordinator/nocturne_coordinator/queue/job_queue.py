@@ -14,7 +14,7 @@ from redis.backoff import NoBackoff
 from redis.retry import Retry
 
 from nocturne_coordinator.dispatch.liveness import Holder
-from nocturne_coordinator.errors import OwnershipLost, QueueError, QueueTaken, UnusableQueue
+from nocturne_coordinator.errors import OwnershipLost, QueueError, QueueInUse, UnusableQueue
 from nocturne_coordinator.queue import keys
 from nocturne_coordinator.queue.guard import Guard
 
@@ -89,7 +89,7 @@ class Session:
         folder, _, rest = found.decode(errors="replace").partition(":")
         epoch, _, _ = rest.partition(":")
         if folder != self.folder or not epoch.isdecimal():
-            raise QueueTaken(
+            raise QueueInUse(
                 "this Redis serves the coordinator of another data folder; give each a Redis of its own"
             )
         # The folder has one owner at a time, so a lease of an earlier epoch is that of a run that is over.
@@ -156,7 +156,7 @@ class JobQueue:
         """Renews the lease and makes sure of the consumer group; False if Redis lost its contents (see
         `jobs`).
 
-        Raises QueueTaken while the coordinator of another data folder has the lease, OwnershipLost where a
+        Raises QueueInUse while the coordinator of another data folder has the lease, OwnershipLost where a
         later one of the same folder has it.
         """
         ours = self._renew(session)
@@ -191,7 +191,7 @@ class JobQueue:
 
     @_queue_errors
     def check_lease(self, session: Session) -> None:
-        """Raises QueueTaken or OwnershipLost, as `attend`; takes nothing."""
+        """Raises QueueInUse or OwnershipLost, as `attend`; takes nothing."""
         session.check(self._client.get(keys.SESSION))
 
     @_queue_errors

@@ -30,7 +30,7 @@ class Archive:
         self._database = database
 
     def take_due(self, lease_seconds: float) -> str | None:
-        """A render whose images are to be copied now; nobody else gets it for `lease_seconds`."""
+        """A render whose images are to be copied now; no other process gets it for `lease_seconds`."""
         now = time.time()
         if not self._database.row("SELECT 1 FROM archive WHERE due <= ?", (now,)):
             return None

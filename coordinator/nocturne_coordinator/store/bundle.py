@@ -23,7 +23,7 @@ To see it again, with the blobs of the service's data folder:
 
 scene.json  the scene document            scene.pb  compiled
 job.json    the job that failed           job.pb    the same, as workers get it
-schedule.pb     of the whole image            failure.json  what was said
+schedule.pb     of the whole image            failure.json  the reasons
 """
 
 

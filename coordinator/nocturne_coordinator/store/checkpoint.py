@@ -37,8 +37,6 @@ _KEPT = 2
 _SHARE = 0.02
 """Part of all time that may go into checkpoints, as each holds the whole database."""
 
-_PIECE_BYTES = 2**20
-
 
 @dataclass(frozen=True, slots=True)
 class Checkpoint:
@@ -184,8 +182,5 @@ def _manifests(database: sqlite3.Connection) -> Iterator[tuple[str, str]]:
 
 
 def _sha256(path: Path) -> str:
-    digest = hashlib.sha256()
     with path.open("rb") as file:
-        while piece := file.read(_PIECE_BYTES):
-            digest.update(piece)
-    return digest.hexdigest()
+        return hashlib.file_digest(file, "sha256").hexdigest()

@@ -106,13 +106,13 @@ class DataFolder:
 
 
 def make_folders(image: Path) -> None:
-    """The folders of an image, but not the data folder: one that was moved away is not to be made anew."""
+    """The folders of an image, but not the data folder: one that was moved away must not be created again."""
     for each in (image.parent.parent, image.parent):
         each.mkdir(exist_ok=True)
 
 
 def _make(path: Path) -> None:
-    """Makes the folder and those above it, with their names on the disk; nobody else gets in."""
+    """Makes the folder and those above it, with their names on the disk; other users can't enter."""
     missing = [each for each in (path, *path.parents) if not each.exists()]
     path.mkdir(mode=0o700, parents=True, exist_ok=True)
     for each in missing:

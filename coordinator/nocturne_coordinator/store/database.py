@@ -88,7 +88,7 @@ class Database:
 
     @contextmanager
     def _reading(self, query: str) -> Iterator[sqlite3.Connection]:
-        """Who reads in a transaction sees what it wrote."""
+        """Reads in a transaction see its own writes."""
         readers, writes = self._readers, not query.lstrip().startswith("SELECT")
         if readers is None or writes or self._writer == threading.get_ident():
             with self._lock:
@@ -206,7 +206,7 @@ class Database:
             connection.execute("ROLLBACK")
 
     def check_place(self) -> None:
-        """Raises FolderGone where the open file is not that of its path any more: what is written into it
+        """Raises FolderGone where the open file is not that of its path any more: all writes to it
         would not be found again. Microseconds."""
         if self._file is None:
             return

@@ -8,7 +8,7 @@ from pathlib import Path
 from nocturne_scene.layers import CHANNELS
 from nocturne_scene.render_warnings import RenderWarning, WarningKind
 
-from nocturne_coordinator.errors import FilesGone
+from nocturne_coordinator.errors import BlobsMissing
 from nocturne_coordinator.store.blob_use import BlobUse
 from nocturne_coordinator.store.database import Database
 
@@ -65,11 +65,11 @@ class RenderLayers:
         return None if row is None else LayersDue(**{**dict(row), "layers": tuple(json.loads(row["layers"]))})
 
     def made(self, render_id: str, sha256: str) -> None:
-        """The file of a render's layers is there. Raises FilesGone if it was removed in the meantime."""
+        """The file of a render's layers is there. Raises BlobsMissing if it was removed in the meantime."""
         with self._database.transaction():
             # Who removes files looks at renders in a transaction, too.
             if self._blob_here(sha256) is None:
-                raise FilesGone("the file of the layers was deleted with another render")
+                raise BlobsMissing("the file of the layers was deleted with another render")
             made = self._database.execute(
                 f"UPDATE render SET layers_sha256 = ?, sequence = sequence + 1 WHERE id = ? AND {LAYERS_DUE}",  # noqa: S608
                 (sha256, render_id),

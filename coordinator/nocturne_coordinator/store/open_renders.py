@@ -23,7 +23,7 @@ _COLUMNS = f"""id, state, scene_sha256, engine, schedule, photons, rays, invalid
     coalesce((SELECT fence FROM lease WHERE lease.render_id = render.id), 0) AS fence,
     coalesce((SELECT coordinator.number FROM lease JOIN coordinator ON coordinator.number = lease.coordinator
               WHERE lease.render_id = render.id
-                  AND coordinator.until >= (julianday('now') - 2440587.5) * 86400.0), 0) AS holder"""  # noqa: S608 - a condition of our own
+                  AND coordinator.until >= (julianday('now') - 2440587.5) * 86400.0), 0) AS holder"""  # noqa: S608 - our own condition
 
 _INDEXED = "(state IN ('QUEUED', 'RUNNING') OR image_final = 0)"
 """True of all that are open; in the words of the index `render_open`, without which all renders are read."""

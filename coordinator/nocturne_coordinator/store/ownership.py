@@ -16,7 +16,7 @@ LEASE_SECONDS = 10.0
 
 @contextlib.contextmanager
 def _one_at_a_time(path: Path) -> Iterator[None]:
-    """For what is done here, others wait; they take milliseconds.
+    """Other processes wait for these locks, which are held for milliseconds.
 
     A coordinator that is to share is alone with the folder until its row is there. Another one that comes
     just then has to wait for it, not to be refused.

@@ -15,7 +15,7 @@ _OTHERS = stat.S_IRWXG | stat.S_IRWXO
 
 
 def make_private(path: Path) -> None:
-    """Lets nobody else into an existing folder, nor into what this process writes from here on.
+    """Keeps other users out of an existing folder and of all files that this process writes from here on.
 
     Raises UnusableFolder for the folder of another user, and where its rights can't be changed.
     """

@@ -28,7 +28,7 @@ from nocturne_coordinator import limits
 from nocturne_coordinator.dispatch.job_cost import USUAL_COST
 from nocturne_coordinator.dispatch.records import ErrorPoint, RenderState
 from nocturne_coordinator.dispatch.stopping import StopConditions, check_tile_samples
-from nocturne_coordinator.errors import AmbiguousId, Conflict, FilesGone
+from nocturne_coordinator.errors import AmbiguousId, BlobsMissing, Conflict
 from nocturne_coordinator.store.blob_use import BlobUse
 from nocturne_coordinator.store.database import Database
 from nocturne_coordinator.store.groups import WAITS
@@ -70,7 +70,7 @@ class Renders:
         """Queues an owner's renders, all or none; the same requests again give the renders made before.
 
         Raises InputError for a bad request id or name, Conflict if the owner used an id with other content,
-        FilesGone if a file of a scene is not there any more, QuotaUsedUp if the owner would have too much.
+        BlobsMissing if a file of a scene is not there any more, QuotaUsedUp if the owner would have too much.
         """
         for new in news:
             _check_texts(new)
@@ -94,7 +94,7 @@ class Renders:
         render_id = _new_id()
         tiles = TileGrid.of(new.schedule).count
         if any(self._blob_here(sha256) is None for sha256 in new.files):
-            raise FilesGone("files of the scene were deleted with another render")
+            raise BlobsMissing("files of the scene were deleted with another render")
         if new.stop.tile_samples:
             check_tile_samples(new.stop.tile_samples, new.schedule)
         self._database.execute(
@@ -163,10 +163,13 @@ class Renders:
 
     def get(self, render_id: str) -> RenderRow:
         """Raises NotFound."""
-        row = self._database.row(f"SELECT {_COLUMNS} FROM render WHERE id = ?", (render_id,))  # noqa: S608
+        return _render_row(self._row(render_id, _COLUMNS))
+
+    def _row(self, render_id: str, columns: str) -> sqlite3.Row:
+        row = self._database.row(f"SELECT {columns} FROM render WHERE id = ?", (render_id,))  # noqa: S608
         if row is None:
             raise NotFound(f"there is no render {render_id!r}")
-        return _render_row(row)
+        return row
 
     def find(self, start: str, owner: str | None = None) -> RenderRow:
         """The render with this id, or the one whose id begins so; of one owner only, or of all.
@@ -238,24 +241,15 @@ class Renders:
 
     def scene_document(self, render_id: str) -> str:
         """The JSON that was submitted; raises NotFound."""
-        row = self._database.row("SELECT scene_document FROM render WHERE id = ?", (render_id,))
-        if row is None:
-            raise NotFound(f"there is no render {render_id!r}")
-        return str(row["scene_document"])
+        return str(self._row(render_id, "scene_document")["scene_document"])
 
     def engine(self, render_id: str) -> int:
         """Version of the tracing engine that the render was made for; raises NotFound."""
-        row = self._database.row("SELECT engine FROM render WHERE id = ?", (render_id,))
-        if row is None:
-            raise NotFound(f"there is no render {render_id!r}")
-        return int(row["engine"])
+        return int(self._row(render_id, "engine")["engine"])
 
     def schedule(self, render_id: str) -> job_pb2.RangeSchedule:
         """Raises NotFound."""
-        row = self._database.row("SELECT schedule FROM render WHERE id = ?", (render_id,))
-        if row is None:
-            raise NotFound(f"there is no render {render_id!r}")
-        return job_pb2.RangeSchedule.FromString(row["schedule"])
+        return job_pb2.RangeSchedule.FromString(self._row(render_id, "schedule")["schedule"])
 
     def error_history(self, render_id: str) -> list[ErrorPoint]:
         """One point per preview, oldest first; raises NotFound."""
@@ -301,7 +295,8 @@ class Renders:
         return float(row["open"]) if row is not None else 0.0
 
     def counted(self) -> dict[str, float]:
-        """What was ever merged, and how renders ended: also of those that were deleted or traced anew."""
+        """All work that was ever merged, and ends of renders by state, those deleted or traced again
+        included."""
         rows = self._database.rows("SELECT name, value FROM counted")
         return {row["name"]: row["value"] for row in rows}
 

@@ -26,7 +26,7 @@ from nocturne_coordinator.dispatch.planned_render import (
     check_photon_sums,
     check_sums,
 )
-from nocturne_coordinator.errors import AlreadyOwned, CantRestore
+from nocturne_coordinator.errors import AlreadyOwned, RestoreFailed
 from nocturne_coordinator.store.checkpoint import checkpoints
 from nocturne_coordinator.store.migrate import newest_schema, schema_of
 from nocturne_coordinator.store.privacy import make_private
@@ -39,7 +39,7 @@ class Restored:
     database: Path | None = None
     """The checkpoint's that was taken; None: the folder's own is whole."""
     damage: list[str] = field(default_factory=list)
-    """What is wrong with the folder's own."""
+    """Damage of the folder's own database."""
     renders: int = 0
     open_ranges: int = 0
     """Planned and not committed, of renders that go on: the work traced when the service starts."""
@@ -50,15 +50,14 @@ class Restored:
 def restore(data: Path, source: Path | None = None) -> Restored:
     """Examines a data folder, and puts the newest whole checkpoint in the place of a damaged database.
 
-    `source`: where the checkpoints are, DATA/checkpoints unless given. What was damaged is kept beside it.
-    Nothing that is whole is ever replaced. Raises CantRestore, OSError, and AlreadyOwned while a coordinator
-    has the folder.
-    """
+    `source`: where the checkpoints are, DATA/checkpoints unless given. A damaged database is kept next to it.
+    Nothing that is whole is ever replaced. Raises RestoreFailed, OSError, and AlreadyOwned while a
+    coordinator has the folder."""
     place = source or data / "checkpoints"
     if source is not None and not source.is_dir():
-        raise CantRestore(f"there is no folder {source}")
+        raise RestoreFailed(f"there is no folder {source}")
     if source is None and not data.is_dir():
-        raise CantRestore(f"there is no data folder {data}; say with --from where its checkpoints are")
+        raise RestoreFailed(f"there is no data folder {data}; say with --from where its checkpoints are")
     data.mkdir(mode=0o700, parents=True, exist_ok=True)
     make_private(data)
     with _only_one(data):
@@ -68,7 +67,7 @@ def restore(data: Path, source: Path | None = None) -> Restored:
         if found.damage:
             found.database = _take_newest(place, database, found.damage)
         elif source is not None and not source.resolve().is_relative_to(data.resolve()):
-            raise CantRestore(
+            raise RestoreFailed(
                 f"{database} is whole; to make use of {source}, give another folder, or move the file away"
             )
         _fetch_blobs(data, place)
@@ -127,15 +126,15 @@ def _take_newest(place: Path, database: Path, damage: list[str]) -> Path:
         if wrong := damage_of(path):
             damage.extend(f"checkpoint {path}: {each}" for each in wrong)
             continue
-        _fail_tile(database)
+        _set_damaged_aside(database)
         with replacing(database, durable=True) as unfinished:
             shutil.copyfile(path, unfinished)
             _make_anew(unfinished)
         return path
-    raise CantRestore("; ".join([*damage, f"there is no whole checkpoint in {place}"]))
+    raise RestoreFailed("; ".join([*damage, f"there is no whole checkpoint in {place}"]))
 
 
-def _fail_tile(database: Path) -> None:
+def _set_damaged_aside(database: Path) -> None:
     number = 1
     while (kept := database.with_name(f"damaged-{number}")).exists():
         number += 1

@@ -35,7 +35,7 @@ class WorkerRecords:
     def quarantine(self, worker_id: str, reason: str, now: float, lied: bool = False) -> list[str]:
         """Takes no more results of a worker, until somebody releases it.
 
-        Of one that `lied` all tiles with work of its are thrown away; gives their renders. One that had ended
+        Of one that `lied` all tiles with its work are thrown away; gives their renders. One that had ended
         is worked on again, until each tile has the samples that it had. Whoever has one of them in memory has
         lost it.
         """
@@ -96,7 +96,7 @@ class WorkerRecords:
         )
 
     def _mirror_work(self, at_work: list[tuple[str, int, str]], now: float) -> None:
-        """What goes on keeps the time at which it was first seen."""
+        """A tile that is still at work keeps the time at which it was first seen."""
         own = self._leases.number
         self._database.execute(
             "DELETE FROM at_work WHERE coordinator NOT IN (SELECT number FROM coordinator)"

@@ -45,7 +45,7 @@ class Instances:
                     yield member, number, path(("groups", name, index))
 
     def lamps(self) -> Iterator[tuple[Surface, str]]:
-        """Yield the surfaces of groups whose light is told of one lamp, once for each place where an instance
+        """Yield the surfaces of groups whose light is that of one lamp, once for each place where an instance
         shows them, with their places in the document."""
         if not any(_is_lamp(member) for name in self._reached() for member in self._groups[name]):
             return
@@ -163,8 +163,8 @@ class Instances:
 
 
 def _is_lamp(member: Surface | Instance) -> bool:
-    """Whether its light is told of one surface, of a certain size and direction: instances show it as
-    surfaces of their own, so that each of them emits it."""
+    """Whether its light is that of one surface of a certain size and direction: instances show it as
+    separate surfaces, so that each of them emits it."""
     if not isinstance(member, Surface) or member.luminaire is None:
         return False
     light = member.luminaire

@@ -30,7 +30,7 @@ _BACKWARDS = np.array([1.0, 1.0, -1.0])
 
 
 def put_meters(sensor: Meters, film: Film | None, message: scene_pb2.Sensor) -> None:
-    """Meters of all pixels, and what they are. Raises Unusable where the film is not theirs."""
+    """Meters of all pixels, and their instruments. Raises Unusable where the film is not theirs."""
     (width, height), places = sensor.layout()
     if film is not None and (film.width, film.height) != (width, height):
         raise Unusable(

@@ -176,7 +176,7 @@ def scaled_evenly(message: scene_pb2.Spectrum, factor: float) -> scene_pb2.Spect
     result = scene_pb2.Spectrum()
     result.CopyFrom(message)
     with np.errstate(over="ignore"):
-        # In float64: arrays of a message are of its own float32.
+        # In float64: arrays of a message are in float32.
         values = np.asarray(message.values, dtype=np.float64)
         result.values[:] = (factor * values).astype(np.float32).tolist()
     for line in result.lines:

@@ -72,7 +72,7 @@ def _counts(workspace: Workspace, steps: _Steps) -> bool:
 
 
 def _known(steps: _Steps, value: object) -> Iterator[tuple[_Ends, str, str]]:
-    """From where to where something is known, what it is, and what happens beyond."""
+    """A quantity, the wavelengths at which it is known, and its values beyond them."""
     usual = (VISIBLE.first, VISIBLE.last)
     match value:
         case TableSpectrum(outside=None):

@@ -38,7 +38,7 @@ class _Facts(NamedTuple):
 
 
 class Textures:
-    """Compiles textures, each for each way of use once, and what may vary by them."""
+    """Compiles textures, each once for each use, and the parameters that may vary by them."""
 
     def __init__(self, workspace: Workspace) -> None:
         self._workspace = workspace
@@ -74,7 +74,7 @@ class Textures:
         """Return a radiance that may vary, None if it is black; raises Unusable.
 
         `amount`: scales the spectrum to how much light there is; None: it says so itself.
-        `part`: of all that, what is emitted.
+        `part`: the emitted part of that.
         """
         texture = value if isinstance(value, ColourTexture) else None
         if texture is not None:

@@ -269,7 +269,7 @@ def _fault(which: str, differs_by: float) -> RenderWarning | None:
 def _sentence(ways: Ways, default: Ways, found: dict[str, Any]) -> str:
     tried = f"by a pilot of {found['photons']:,} photons"
     if replace(ways, visible_sky=b"") == default:
-        return f"{ways.named()}: no other way was found better {tried}"
+        return f"{ways.named()}: no other method was found better {tried}"
     if found["finds_more"]:
         return f"{ways.named()}: {default.named()} missed light that these found, {tried}"
     gain = found["gain"]

@@ -115,7 +115,7 @@ IMPORTANT_SHAPES = 100
 # Channels beyond X, Y, Z: each takes memory for every pixel.
 RESPONSES = 64
 
-# Points of a sensor's meters, and its instruments: each is told in the image's header.
+# Points of a sensor's meters, and its instruments: the image's header has all of them.
 METERS = 4096
 INSTRUMENTS = 64
 

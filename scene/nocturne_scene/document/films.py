@@ -69,7 +69,8 @@ class FilmPane(Node):
 
 
 class MeasuredPane(Node):
-    """A pane by what was measured at normal incidence, as in the International Glazing Database and EN 410.
+    """A pane by its measured properties at normal incidence, as in the International Glazing Database and EN
+    410.
 
     A pane that reflects the same on both sides is taken for a bare sheet, whose index and internal
     transmittance follow at each wavelength. Others depend on the angle as fitted to clear glass, or to bronze

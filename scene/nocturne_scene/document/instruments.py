@@ -68,7 +68,7 @@ class Instrument(Node):
     luminance L all get pi L, but for the fluence rate, 4 pi L.
     """
 
-    name: Name = Field(description="By which its readings are told.")
+    name: Name = Field(description="Name of its readings.")
     points: Annotated[list[Vector], Field(min_length=1, max_length=bounds.METERS)] | None = Field(
         default=None, description="Where, m."
     )

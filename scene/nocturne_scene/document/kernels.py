@@ -91,7 +91,7 @@ class Dielectric(RoughKernel):
     )
     coating: Layers = Field(
         default=[],
-        description="Thin layers between the body and what is around it, the outermost first. Default: none.",
+        description="Thin layers between the body and its surroundings, the outermost first. Default: none.",
     )
 
 

@@ -27,7 +27,7 @@ class PhotometricProfile(Node):
     Of the luminaire's `radiance` only the spectrum's shape counts then: the candelas are the file's. The
     surface's shape is a quad, a disc, a flat mesh or a sphere. What the file says of the directions behind a
     flat one is lost without `two_sided`, and a warning says how much that is. In a group, each instance shows
-    a lamp of its own with all of the file's light; it can't move.
+    a separate lamp with all of the file's light; it can't move.
     """
 
     asset: AssetReference = Field(
@@ -111,8 +111,8 @@ class Luminaire(Node):
     hidden_from: HiddenFrom = None
     maintenance_factor: Annotated[Finite, Field(gt=0, le=1)] = Field(
         default=1.0,
-        description="What is left of the light before the luminaire is cleaned and its lamps are replaced "
-        "(CIE 97): scales all that it emits, however its amount is given.",
+        description="The part of the light that is left before the luminaire is cleaned and its lamps are "
+        "replaced (CIE 97): scales all that it emits, however its amount is given.",
     )
     dimming: Annotated[Finite, Field(gt=0, le=1)] = Field(
         default=1.0, description="To which part of its full light the luminaire is dimmed."

@@ -3,7 +3,7 @@
 from itertools import pairwise
 from typing import Annotated, Literal, Self
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import Field, model_validator
 
 from nocturne_scene.document import bounds
 from nocturne_scene.document.fields import (
@@ -19,7 +19,7 @@ from nocturne_scene.document.fields import (
     Wavelength,
 )
 from nocturne_scene.document.indices import IndexReference
-from nocturne_scene.document.node import ByKey, ByType, Node, problem_at, quoted_list
+from nocturne_scene.document.node import ByKey, ByType, Node, one_of_names, problem_at
 from nocturne_scene.document.placement import Placement
 from nocturne_scene.document.shapes import length
 from nocturne_scene.document.spectra import SpectrumReference
@@ -217,18 +217,10 @@ DensityDefinition = Annotated[
 ]
 
 
-def _known_preset(name: str) -> str:
-    names = media_presets.names()
-    if name not in names:
-        shown = name[: bounds.NAME_LENGTH]
-        raise problem_at("", f'no medium named "{shown}"; expected one of {quoted_list(names)}')
-    return name
-
-
 _Preset = Annotated[
     str,
     Field(strict=True, json_schema_extra={"enum": list(media_presets.names())}),
-    AfterValidator(_known_preset),
+    one_of_names("medium", media_presets.names()),
 ]
 
 

@@ -6,7 +6,15 @@ from itertools import islice
 from operator import or_
 from typing import Annotated, Any, get_args, get_origin
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, GetCoreSchemaHandler, Tag
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    GetCoreSchemaHandler,
+    Tag,
+)
 from pydantic_core import CoreSchema, PydanticCustomError
 
 from nocturne_scene.document import bounds
@@ -35,6 +43,18 @@ def problem_at(suffix: str, message: str) -> PydanticCustomError:
     """
     # Braces would be taken for placeholders in a message template, so the text travels as a value.
     return PydanticCustomError("scene", "{message}", {"suffix": suffix, "message": message})
+
+
+def one_of_names(noun: str, names: Collection[str]) -> AfterValidator:
+    """Accepts these names alone; `noun` names their kind."""
+
+    def check(name: str) -> str:
+        if name not in names:
+            shown = name[: bounds.NAME_LENGTH]
+            raise problem_at("", f'no {noun} named "{shown}"; expected one of {quoted_list(names)}')
+        return name
+
+    return AfterValidator(check)
 
 
 def tag_of(member: Any) -> str | None:

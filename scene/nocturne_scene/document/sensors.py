@@ -5,13 +5,13 @@ Long: all that a sensor may be, which readers look up in one place.
 
 from typing import Annotated, Literal, Self
 
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import Field, model_validator
 
 from nocturne_scene.document import bounds
 from nocturne_scene.document.fields import Degrees, Finite, Name, PositiveLength, Vector
 from nocturne_scene.document.instruments import Instrument
 from nocturne_scene.document.luminaires import check_axes
-from nocturne_scene.document.node import ByType, Node, problem_at, quoted_list
+from nocturne_scene.document.node import ByType, Node, one_of_names, problem_at, quoted_list
 from nocturne_scene.document.placement import Motion
 from nocturne_scene.document.shapes import length, parallel
 from nocturne_scene.document.spectra import SpectrumReference
@@ -24,15 +24,8 @@ _Angle = Annotated[Finite, Field(gt=0, lt=180)]
 _BandEdge = Annotated[int, Field(strict=True, ge=int(SHORTEST), le=int(LONGEST))]
 
 
-def _known_response(name: str) -> str:
-    if name not in RESPONSES:
-        shown = name[: bounds.NAME_LENGTH]
-        raise problem_at("", f'no response named "{shown}"; expected one of {quoted_list(RESPONSES)}')
-    return name
-
-
 ResponseName = Annotated[
-    str, Field(strict=True, json_schema_extra={"enum": list(RESPONSES)}), AfterValidator(_known_response)
+    str, Field(strict=True, json_schema_extra={"enum": list(RESPONSES)}), one_of_names("response", RESPONSES)
 ]
 
 

@@ -8,35 +8,19 @@ from pydantic import AfterValidator, Field, ValidationInfo, model_validator
 
 from nocturne_scene.document import bounds
 from nocturne_scene.document.fields import Finite, Knot, SpectralValue, Wavelength
-from nocturne_scene.document.node import ByKey, Node, problem_at, quoted_list
+from nocturne_scene.document.node import ByKey, Node, one_of_names, problem_at, quoted_list
 from nocturne_scene.spectra import lines as line_spectra
 from nocturne_scene.spectra import published
-
-
-def _known_illuminant(name: str) -> str:
-    return _one_of(name, "illuminant", published.ILLUMINANTS)
-
-
-def _known_patch(name: str) -> str:
-    return _one_of(name, "patch", tuple(published.CHART_PATCHES))
-
-
-def _one_of(name: str, noun: str, names: Collection[str]) -> str:
-    if name not in names:
-        shown = name[: bounds.NAME_LENGTH]
-        raise problem_at("", f'no {noun} named "{shown}"; expected one of {quoted_list(names)}')
-    return name
-
 
 Illuminant = Annotated[
     str,
     Field(strict=True, json_schema_extra={"enum": list(published.ILLUMINANTS)}),
-    AfterValidator(_known_illuminant),
+    one_of_names("illuminant", published.ILLUMINANTS),
 ]
 ChartPatch = Annotated[
     str,
     Field(strict=True, json_schema_extra={"enum": list(published.CHART_PATCHES)}),
-    AfterValidator(_known_patch),
+    one_of_names("patch", published.CHART_PATCHES),
 ]
 _Part = Annotated[Finite, Field(ge=0, le=1)]
 Luminance = Annotated[Finite, Field(gt=0, le=bounds.LUMINANCE)]

@@ -78,6 +78,6 @@ def _report_hidden(message: scene_pb2.CompiledScene, findings: Findings) -> None
     hidden |= {luminaire.hidden_from for luminaire in message.luminaires}
     hidden |= {disc.hidden_from for disc in message.distant_discs}
     if scene_pb2.HIDDEN_FROM_CAMERA in hidden:
-        findings.lost("$", "a light that is hidden from the camera has no equal; it is seen there")
+        findings.lost("$", "a light that is hidden from the camera is not supported; it is seen there")
     if scene_pb2.HIDDEN_FROM_CAMERA_AND_MIRRORS in hidden:
         findings.note("$", "lamps that stand for such without a size are seen by the camera and in mirrors")

@@ -82,7 +82,7 @@ class TooLargeError(Exception):
 
 
 def wavelengths(within: WavelengthRange = VISIBLE) -> Floats:
-    """Return where spheres are computed, nm; in between, what they do is linear."""
+    """Return where spheres are computed, nm; in between, their properties are linear."""
     if within.is_usual:
         return np.linspace(within.first, within.last, _VISIBLE_COUNT)
     count = math.ceil(math.log(within.last / within.first) / math.log(_PART)) + 1

@@ -27,7 +27,7 @@ _OTHERWISE = ("radiance", "daylight luminance")
 
 @dataclass(frozen=True, slots=True)
 class ColourValue:
-    """One number that tells of a light's colour."""
+    """One number of a light's colour."""
 
     name: str
     value: float

@@ -80,7 +80,7 @@ def read(lines: Sequence[str]) -> Photometry:
 def write(photometry: Photometry) -> bytes:
     """Write a file with the least planes that its symmetry needs; absolute photometry, with a negative number
     of lamps, without `lamp_lumens`. Direct ratios, of a method of planning by hand, are 0. Raises ValueError
-    where there is no light to be relative to, and for what is not of type C.
+    where there is no light to be relative to, and for other types than C.
     """
     need_type_c(photometry)
     total = flux(photometry)
@@ -107,7 +107,7 @@ def write(photometry: Photometry) -> bytes:
 
 
 def _lower_half(photometry: Photometry) -> Photometry:
-    """What is sent down, to gamma 90."""
+    """The flux downwards, to gamma 90."""
     gamma = photometry.vertical
     kept = np.append(gamma[gamma < 90], [90.0] if gamma[-1] >= 90 else [])
     rows = [np.interp(kept, gamma, row) for row in photometry.candela]

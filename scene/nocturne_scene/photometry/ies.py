@@ -71,7 +71,7 @@ def read(data: bytes) -> Photometry:
 
 def write(photometry: Photometry) -> bytes:
     """Write a file of LM-63-2002, absolute photometry without `lamp_lumens`. Read back, it is equal. Raises
-    ValueError for what is not of type C."""
+    ValueError for other types than C."""
     need_type_c(photometry)
     lines = ["IESNA:LM-63-2002"]
     lines += [f"[{key}] {_one_line(value)}" for key, value in photometry.keywords.items()]

@@ -36,7 +36,7 @@ class Photometry:
     """Intensity over directions."""
 
     # Degrees, increasing. `vertical` within [0, 180]. `horizontal` from 0 to 360 or, the same all around,
-    # only 0; of types A and B from 0 to what is known, and the rest is dark.
+    # only 0; of types A and B from 0 to the last known angle, and the rest is dark.
     vertical: Floats
     horizontal: Floats
     # cd, shape (len(horizontal), len(vertical)), with ballast factors and multiplier in it.

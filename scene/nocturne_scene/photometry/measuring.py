@@ -70,9 +70,8 @@ class DaylightFactor:
 def daylight_factor(found: Measured, outdoor: Measured) -> DaylightFactor:
     """Of a part of an image; `outdoor` is another of the same image.
 
-    Samples of different meters are drawn independently, so the errors of what is divided know nothing of
-    each other; the part outdoors has 100 % of itself, without an error.
-    """
+    Samples of different meters are drawn independently, so the errors of numerator and denominator know
+    nothing of each other; the part outdoors has 100 % of itself, without an error."""
     mean, mean_error = _over(found.mean, found.mean_error, outdoor)
     low = found.minimum
     minimum, minimum_error = _over(low.value, low.standard_error, outdoor)

@@ -33,7 +33,7 @@ class PointIlluminance:
 
 @dataclass(frozen=True, slots=True)
 class PointReading:
-    """All that is told of a point."""
+    """All readings of a point."""
 
     illuminances: tuple[PointIlluminance, ...]
     modelling: float

@@ -52,9 +52,9 @@ class RayFile:
     directions: Rays
     """Of length 1, shape (rays, 3)."""
     watts: Rays | None
-    """Radiant flux of each, or none is told."""
+    """Radiant flux of each; None: not in the file."""
     lumens: Rays | None
-    """Luminous flux of each, or none is told."""
+    """Luminous flux of each; None: not in the file."""
     wavelengths: Rays | None = None
     """nm, of each ray."""
     spectra: Sequence[Spectrum] = ()
@@ -225,7 +225,7 @@ def _checked(head: _Head, columns: list[str], table: Rays, start: int) -> RayFil
 
 
 def write(path: Path, rays: RayFile) -> None:
-    """Writes a file; equal rays give equal bytes, as its time is told as none. Raises OSError."""
+    """Writes a file; equal rays give equal bytes, as it has no time. Raises OSError."""
     watts, lumens, wavelengths = rays.watts, rays.lumens, rays.wavelengths
     kind = _NO_SPECTRUM
     if rays.spectra:

@@ -259,7 +259,7 @@ def _float(text: str, what: str, line: int) -> float:
 
 
 def write(photometry: Photometry) -> bytes:
-    """Write a file of TM-33-23. Read back, it is equal. Raises ValueError for what is not of type C."""
+    """Write a file of TM-33-23. Read back, it is equal. Raises ValueError for other types than C."""
     need_type_c(photometry)
     lines = ['<?xml version="1.0" encoding="UTF-8"?>', "<IESTM33-22>", "<Version>1.1</Version>", "<Header>"]
     lines += list(_header(photometry.keywords))

@@ -1,14 +1,11 @@
-"""XML of photometric files as a tree whose elements know their lines.
-
-A document type is refused: entities are declared there and nowhere else, so that none grows or names a file.
-"""
+"""XML of photometric files as a tree whose elements know their lines."""
 
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from xml.parsers.expat import ExpatError, ParserCreate, XMLParserType, errors
 
 from nocturne_scene.photometry.intensities import BadPhotometryError
+from nocturne_scene.xml_events import XmlError, XmlReader
 
 MAX_BYTES = 64 * 2**20
 """A value of each of a million directions has some 50 bytes."""
@@ -63,66 +60,46 @@ def is_xml(data: bytes) -> bool:
 
 
 def parse(data: bytes) -> Element:
-    """The root. Raises BadPhotometryError for what is no XML or may be harmful."""
+    """The root. Raises BadPhotometryError for files that are no XML or may be harmful."""
     if len(data) > MAX_BYTES:
         raise BadPhotometryError(1, f"the file has {len(data)} bytes; at most {MAX_BYTES} are accepted")
-    parser = ParserCreate(namespace_separator="}")
-    builder = _Builder(parser)
+    builder = _Builder()
     try:
-        parser.Parse(_VERSION_1_1.sub(rb"\g<1>0", data, count=1), True)
-    except ExpatError as error:
-        said = errors.messages.get(error.code, "no XML")
-        raise BadPhotometryError(error.lineno, f"is no XML: {said}") from None
-    except (ValueError, LookupError) as error:
-        # Such as an encoding that Python does not know.
-        raise BadPhotometryError(1, f"is no XML: {error}") from None
+        builder.feed([_VERSION_1_1.sub(rb"\g<1>0", data, count=1)])
+    except XmlError as error:
+        raise BadPhotometryError(error.line, str(error)) from None
     if builder.root is None:
         raise BadPhotometryError(1, "is no XML: no element found")
     return builder.root
 
 
-class _Builder:
-    def __init__(self, parser: XMLParserType) -> None:
+class _Builder(XmlReader):
+    def __init__(self) -> None:
+        super().__init__(_MAX_DEPTH, namespaces=True)
         self.root: Element | None = None
-        self._parser = parser
         self._open: list[Element] = []
         self._elements = self._characters = 0
-        parser.buffer_text = True
-        parser.StartElementHandler = self._start
-        parser.EndElementHandler = self._end
-        parser.CharacterDataHandler = self._text
-        parser.StartDoctypeDeclHandler = self._refuse
 
-    def _start(self, tag: str, attributes: dict[str, str]) -> None:
+    def start(self, tag: str, attributes: dict[str, str]) -> None:
         self._elements += 1
-        if len(self._open) >= _MAX_DEPTH or self._elements > _MAX_ELEMENTS:
-            raise BadPhotometryError(
-                self._line(), f"elements are nested more than {_MAX_DEPTH} deep, or more than {_MAX_ELEMENTS}"
-            )
+        if self._elements > _MAX_ELEMENTS:
+            self.refuse(f"has more than {_MAX_ELEMENTS} elements")
         named = {_local(name): value for name, value in attributes.items()}
-        element = Element(_local(tag), named, self._line())
+        element = Element(_local(tag), named, self.line)
         if self._open:
             self._open[-1].children.append(element)
         else:
             self.root = element
         self._open.append(element)
 
-    def _end(self, _: str) -> None:
+    def end(self) -> None:
         self._open.pop()
 
-    def _text(self, text: str) -> None:
+    def text(self, text: str) -> None:
         self._characters += len(text)
         if self._characters > _MAX_TEXT:
-            raise BadPhotometryError(self._line(), f"has more than {_MAX_TEXT} characters of text")
+            self.refuse(f"has more than {_MAX_TEXT} characters of text")
         self._open[-1].parts.append(text)
-
-    def _refuse(self, *_: object) -> None:
-        raise BadPhotometryError(
-            self._line(), "declares a document type or entities, which luminaires have no need of"
-        )
-
-    def _line(self) -> int:
-        return self._parser.CurrentLineNumber
 
 
 def _local(name: str) -> str:

@@ -26,7 +26,7 @@ COUNT = (published.COLOUR_RANGE[1] - published.COLOUR_RANGE[0]) // STEP + _DEGRE
 @lru_cache(maxsize=1)
 def responses() -> Floats:
     """Shape (401, COUNT), at `colour_wavelengths`; not negative, of sum 1."""
-    # So that what needs no colours starts without it.
+    # So that programs without colours start without it.
     from scipy.interpolate import BSpline
 
     first, last = published.COLOUR_RANGE

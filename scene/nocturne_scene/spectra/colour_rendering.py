@@ -12,7 +12,7 @@ import numpy as np
 
 from nocturne_scene.spectra import published
 from nocturne_scene.spectra.published import Floats
-from nocturne_scene.spectra.temperature import colour_temperature_of
+from nocturne_scene.spectra.temperature import cie_1960_uv, colour_temperature_of
 
 _TEST_COLOURS, _SAMPLES = 14, 99
 _R9 = 8
@@ -117,16 +117,10 @@ def _blended(planckian: Floats, daylight: Floats, part: float) -> Floats:
     return (1.0 - part) * planckian + part * daylight
 
 
-def _uv(xyz: Floats) -> Floats:
-    below = xyz @ np.array([1.0, 15.0, 3.0])
-    found: Floats = np.stack([4.0 * xyz[..., 0], 6.0 * xyz[..., 1]], axis=-1) / below[..., None]
-    return found
-
-
 def _special_indices(test: Floats, reference: Floats) -> Floats:
     """R_i of CIE 13.3-1995, of all test colours; first comes the light itself."""
     test, reference = (100.0 * each / each[0, 1] for each in (test, reference))
-    seen, known = _uv(test), _uv(reference)
+    seen, known = cie_1960_uv(test), cie_1960_uv(reference)
     c, d = (_adapting(seen[..., 0], seen[..., 1])), _adapting(known[..., 0], known[..., 1])
     ratio_c, ratio_d = d[0][0] / c[0][0] * c[0][1:], d[1][0] / c[1][0] * c[1][1:]
     below = 16.518 + 1.481 * ratio_c - ratio_d

@@ -39,27 +39,28 @@ def _locus() -> tuple[Floats, Floats]:
     # The constant of ITS-90 (CIE 015:2018, 9.1).
     scale = 1.4388e-2 / (published.PLANCK * published.LIGHT_SPEED / published.BOLTZMANN)
     xyz = np.array([published.planck(1e6 / each / scale, wavelengths) @ observer for each in reciprocal])
-    return reciprocal, _uv(xyz)
+    return reciprocal, cie_1960_uv(xyz)
 
 
-def _uv(xyz: Floats) -> Floats:
+def cie_1960_uv(xyz: Floats) -> Floats:
+    """u, v of CIE 1960, along the last axis."""
     below = xyz @ np.array([1.0, 15.0, 3.0])
     return np.stack([4.0 * xyz[..., 0] / below, 6.0 * xyz[..., 1] / below], axis=-1)
 
 
 def colour_temperature_of(xyz: Floats) -> tuple[float, float]:
     """K and Duv of X, Y, Z, whatever their distance from the locus."""
-    return _nearest(_uv(xyz))
+    return _nearest(cie_1960_uv(xyz))
 
 
 def colour_temperature(xyz: Floats, covariance: Floats) -> ColourTemperature:
     """Of X, Y, Z, with their 3 x 3 covariance; errors to first order."""
-    kelvin, duv = _nearest(_uv(xyz))
+    kelvin, duv = _nearest(cie_1960_uv(xyz))
     step = 1e-4 * float(xyz.sum())
     slopes = []
     for axis in range(3):
         moved = np.array([xyz + sign * step * np.eye(3)[axis] for sign in (1.0, -1.0)])
-        above, below = (_nearest(each) for each in _uv(moved))
+        above, below = (_nearest(each) for each in cie_1960_uv(moved))
         slopes.append([(above[0] - below[0]) / (2.0 * step), (above[1] - below[1]) / (2.0 * step)])
     kelvin_error, duv_error = (
         math.sqrt(max(0.0, float(slope @ covariance @ slope))) for slope in np.array(slopes).T

@@ -51,7 +51,7 @@ class UnusableImageError(Exception):
 def opened(source: Path) -> Iterator[Any]:
     """Open a picture as OpenImageIO's ImageInput; colours are not multiplied by opacity.
 
-    What is stored as it is shown has its header read and nothing more; else what it shows lies in a temporary
+    Of a picture that is stored as it is shown only the header is read; else its pixels lie in a temporary
     file. Raises UnusableImageError.
     """
     config = oiio.ImageSpec()

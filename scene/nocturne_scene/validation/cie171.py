@@ -120,7 +120,7 @@ def scenes() -> Iterator[Scene]:
 
 
 def _flux_through_a_roof() -> Iterator[Scene]:
-    """The whole ceiling is open to an even sky: floor and walls together get what comes in."""
+    """The whole ceiling is open to an even sky: floor and walls together get all incoming light."""
     source = _REPORT.format("5.4", "flux through an opening; its parts by C-11 and C-14")
     side = perpendicular_rectangles(4.0, 3.0, 4.0)
     meters = {

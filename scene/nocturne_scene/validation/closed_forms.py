@@ -52,7 +52,7 @@ def sphere_to_disc(distance: float, radius: float) -> float:
 
 
 def point_to_disc(radius: float, height: float, aside: float = 0.0) -> float:
-    """From a small surface to a disc in a plane parallel to it (B-12, beside the axis B-13)."""
+    """From a small surface to a disc in a plane parallel to it (B-12, off the axis B-13)."""
     if aside == 0.0:
         return radius**2 / (radius**2 + height**2)
     h, r = height / aside, radius / aside

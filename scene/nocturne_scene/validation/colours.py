@@ -41,7 +41,7 @@ def scenes() -> Iterator[Scene]:
     for name, (x, y) in ILLUMINANTS.items():
         document = _lamp({"illuminant": name, "luminance": 100.0})
         values = Value(f"{name}, cd/m2", 100.0, _CIE, "Y"), *_chromaticity(name, x, y, _CIE)
-        # x and y of fluorescent lamps are printed to 5e-5, which must be little beside the noise.
+        # x and y of fluorescent lamps are printed to 5e-5, which must be little compared with the noise.
         yield Scene(document, values, 2**13 if name.startswith("FL") else 2**15)
     for kelvin in BLACK_BODIES:
         wavelengths = published.visible_wavelengths()

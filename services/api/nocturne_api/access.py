@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from nocturne_coordinator.store.tokens import Token
 
 from nocturne_api import limits
-from nocturne_api.errors import Forbidden, TooMany, Unauthenticated
+from nocturne_api.errors import Forbidden, RateLimited, Unauthenticated
 
 _IMPLIED: Mapping[str, frozenset[str]] = {
     "read": frozenset({"read"}),
@@ -89,23 +89,24 @@ class Authenticator:
     def __init__(self, identify: Callable[[str], Awaitable[Caller]]) -> None:
         """`identify` gives who has a secret; raises Unauthenticated."""
         self._identify = identify
-        self._pace = Pace()
-        self._wrong = Pace(limits.WRONG_TOKENS_PER_SECOND, limits.WRONG_TOKENS_AT_ONCE)
+        self._pace = RateLimiter()
+        self._wrong = RateLimiter(limits.WRONG_TOKENS_PER_SECOND, limits.WRONG_TOKENS_AT_ONCE)
 
     async def authenticate(self, secret: str, address: str) -> Caller:
         """Who has the secret.
 
-        Raises Unauthenticated, and TooMany for too many calls of one caller, or, after a while, for too many
-        wrong tokens from one address.
-        """
+        Raises Unauthenticated, and RateLimited for too many calls of one caller, or, after a while, for too
+        many wrong tokens from one address."""
         try:
             caller = await self._identify(secret)
         except Unauthenticated:
             try:
                 self._wrong.take(address)
-            except TooMany:
+            except RateLimited:
                 await asyncio.sleep(limits.WRONG_TOKEN_DELAY_S)
-                raise TooMany("too many wrong tokens from this address; look at the one you send") from None
+                raise RateLimited(
+                    "too many wrong tokens from this address; look at the one you send"
+                ) from None
             raise
         self._pace.take(caller.name)
         return caller
@@ -118,7 +119,7 @@ class _Bucket:
 
 
 @dataclass
-class Pace:
+class RateLimiter:
     """How many calls each caller may make: so many a second in the long run, and at once in a burst."""
 
     per_second: float = field(default_factory=lambda: limits.CALLS_PER_SECOND)
@@ -126,7 +127,7 @@ class Pace:
     _buckets: OrderedDict[str, _Bucket] = field(default_factory=OrderedDict)
 
     def take(self, name: str, now: float | None = None) -> None:
-        """Counts a call; raises TooMany."""
+        """Counts a call; raises RateLimited."""
         now = time.monotonic() if now is None else now
         bucket = self._buckets.setdefault(name, _Bucket(self.at_once, now))
         self._buckets.move_to_end(name)
@@ -135,5 +136,5 @@ class Pace:
         bucket.left = min(self.at_once, bucket.left + (now - bucket.at) * self.per_second)
         bucket.at = now
         if bucket.left < 1.0:
-            raise TooMany(f"more than {self.per_second:g} calls a second; try again in a moment")
+            raise RateLimited(f"more than {self.per_second:g} calls a second; try again in a moment")
         bucket.left -= 1.0

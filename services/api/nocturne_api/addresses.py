@@ -36,7 +36,8 @@ def listen(host: str, port: int) -> socket.socket:
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     listener = socket.socket(family)
     listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-    # Its connections have it from here. Else a body waits 40 ms for the caller to acknowledge the head.
+    # Its connections inherit the option. Without it, a body waits 40 ms for the caller to acknowledge the
+    # head.
     listener.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
     try:
         listener.bind((host, port))

@@ -1,4 +1,4 @@
-"""The certificate of both endpoints, taken up anew when its files are renewed; connections keep the one they
+"""The certificate of both endpoints, read again when its files are renewed; connections keep the one they
 began with."""
 
 import asyncio
@@ -58,7 +58,7 @@ class Certificate(Background):
         )
 
     def reload(self) -> None:
-        """Takes up what the files hold now; where that can't be used, what was there before goes on."""
+        """Reads the files again; where they can't be used, the certificate before stays in use."""
         try:
             self._read()
             for context in self._contexts:

@@ -39,11 +39,11 @@ class Forbidden(NocturneError):
     """The caller is known, and may not do this."""
 
 
-class TooMany(NocturneError):
+class RateLimited(NocturneError):
     """The caller calls too often."""
 
 
-class BrokenOff(NocturneError):
+class ClientDisconnected(NocturneError):
     """The caller went away before the end of the request."""
 
 
@@ -51,11 +51,11 @@ class FolderFull(NocturneError):
     """The data folder has reached its bound."""
 
 
-class TooSlow(NocturneError):
+class RequestTimedOut(NocturneError):
     """The request did not come to its end in time."""
 
 
-class CantPreflight(NocturneError):
+class PreflightFailed(NocturneError):
     """The service can't preflight this scene, or no scene at all; says why."""
 
 
@@ -93,7 +93,7 @@ TABLE: tuple[tuple[type[Exception], Kind], ...] = (
         Kind("WRONG_STATE", "Not in this state", 409, grpc.StatusCode.FAILED_PRECONDITION),
     ),
     (
-        CantPreflight,
+        PreflightFailed,
         Kind("CANT_PREFLIGHT", "No preflight can be made", 409, grpc.StatusCode.FAILED_PRECONDITION),
     ),
     (
@@ -116,14 +116,17 @@ TABLE: tuple[tuple[type[Exception], Kind], ...] = (
         ),
     ),
     (Forbidden, Kind("FORBIDDEN", "Not allowed", 403, grpc.StatusCode.PERMISSION_DENIED)),
-    (TooMany, Kind("TOO_MANY", "Too many calls", 429, grpc.StatusCode.RESOURCE_EXHAUSTED, 1)),
+    (RateLimited, Kind("TOO_MANY", "Too many calls", 429, grpc.StatusCode.RESOURCE_EXHAUSTED, 1)),
     (QuotaUsedUp, Kind("QUOTA", "Quota used up", 429, grpc.StatusCode.RESOURCE_EXHAUSTED, 60)),
     (
         FolderFull,
         Kind("FOLDER_FULL", "The data folder is full", 507, grpc.StatusCode.RESOURCE_EXHAUSTED, 60),
     ),
-    (BrokenOff, Kind("BROKEN_OFF", "The request was broken off", 400, grpc.StatusCode.CANCELLED)),
-    (TooSlow, Kind("TOO_SLOW", "The request came too slowly", 408, grpc.StatusCode.DEADLINE_EXCEEDED)),
+    (ClientDisconnected, Kind("BROKEN_OFF", "The request was broken off", 400, grpc.StatusCode.CANCELLED)),
+    (
+        RequestTimedOut,
+        Kind("TOO_SLOW", "The request came too slowly", 408, grpc.StatusCode.DEADLINE_EXCEEDED),
+    ),
     (Overloaded, Kind("OVERLOADED", "Too much at once", 503, grpc.StatusCode.UNAVAILABLE, 5)),
     (
         ObjectStoreUnavailable,

@@ -49,7 +49,7 @@ PICTURE_MEMORY_BYTES = 4096 * MEBIBYTE
 PICTURE_WALL_S = 60.0
 PICTURES_AT_ONCE = 2
 PICTURES_WAITING = 8
-# Pictures on their way here, each a file; of one owner, with authentication; and how long one may take.
+# Pictures that are being received, each a file; of one owner, with authentication; and how long one may take.
 PICTURES_COMING = 16
 PICTURES_OF_OWNER = 2
 PICTURE_COMES_S = 600.0
@@ -84,7 +84,7 @@ NEARLY_FULL = 0.9
 UPLOADS_AT_ONCE = 128
 UPLOADS_OF_OWNER = 32
 
-# Threads that read the database beside each other. How long a call waits for one of them, or for its turn to
+# Threads that read the database at once. How long a call waits for one of them, or for its turn to
 # write, and then for another process that writes, seconds: callers hear within both together that it is slow.
 READERS = 4
 DATABASE_TURN_S = 5.0

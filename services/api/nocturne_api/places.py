@@ -14,10 +14,10 @@ _T = TypeVar("_T")
 
 
 class Places:
-    """So many may work at once, and so many wait for a place; others are told to come again."""
+    """So many may work at once, and so many wait for a place; others are refused until later."""
 
     def __init__(self, at_once: int, waiting: int, busy: str) -> None:
-        """`busy`: what those are told."""
+        """`busy`: the message for those."""
         self._free = asyncio.Semaphore(at_once)
         self._most = waiting
         self._busy = busy

@@ -94,7 +94,7 @@ class Service:
             access_log=False,
             limit_concurrency=limits.REST_CONNECTIONS,
             server_header=False,
-            # Uvicorn believes whoever asks from this machine, unless it is told not to.
+            # Uvicorn believes whoever asks from this machine, unless an option says not to.
             proxy_headers=settings.behind_proxy,
             forwarded_allow_ips="*",
             timeout_graceful_shutdown=int(_GRACE_S),

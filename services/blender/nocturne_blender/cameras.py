@@ -57,11 +57,11 @@ def _lens(camera: Any, position: Any, forward: Any) -> Json:
 def _tell_losses(scene: Any, camera: Any, findings: Findings) -> None:
     data, render = camera.data, scene.render
     if (data.shift_x or data.shift_y) and data.type != "ORTHO":
-        findings.lost(camera.name, "no equal of a shifted camera; taken as not shifted")
+        findings.lost(camera.name, "no support for a shifted camera; taken as not shifted")
     if data.type == "PANO" and getattr(data, "panorama_type", "EQUIRECTANGULAR") != "EQUIRECTANGULAR":
         findings.lost(camera.name, "of panoramas there is the equirectangular one alone")
     if data.dof.use_dof and data.type == "PERSP" and data.dof.aperture_ratio != 1.0:
-        findings.lost(camera.name, "no equal of an anamorphic lens; taken as round")
+        findings.lost(camera.name, "no support for an anamorphic lens; taken as round")
     if render.pixel_aspect_x != render.pixel_aspect_y:
         findings.lost(scene.name, "pixels are square")
     if render.use_border:

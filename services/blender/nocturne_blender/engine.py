@@ -36,7 +36,7 @@ class NocturneEngine(bpy.types.RenderEngine):
     bl_use_eevee_viewport = True
 
     def update_render_passes(self, scene: Any = None, renderlayer: Any = None) -> None:
-        """Tells the compositor what there will be."""
+        """Registers the passes with the compositor."""
         self.register_pass(scene, renderlayer, "Combined", 4, "RGBA", "COLOR")
         for name, channels, letters, kind in _PASSES:
             self.register_pass(scene, renderlayer, name, channels, letters, kind)
@@ -88,7 +88,7 @@ class NocturneEngine(bpy.types.RenderEngine):
         try:
             while True:
                 self._stop_if_asked()
-                # First the state, then tiles: what is there at the end is fetched after it.
+                # First the state, then tiles: the last tiles are fetched after the end.
                 render = service.render(identity)
                 self._tell(render)
                 if self._fetch(service, identity, film):

@@ -14,7 +14,7 @@ Json = Any
 
 
 class Files:
-    """What has to be at the service before the scene is."""
+    """Files that the service needs before the scene."""
 
     def __init__(self) -> None:
         self.by_digest: dict[str, bytes] = {}

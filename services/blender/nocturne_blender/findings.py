@@ -1,4 +1,4 @@
-"""What of a scene has no equal, for whoever renders it."""
+"""Parts of a scene that are not supported, for the person who renders it."""
 
 
 class Findings:

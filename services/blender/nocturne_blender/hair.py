@@ -59,7 +59,7 @@ def tubes(points: Floats, radii: Floats, lengths: Any) -> bytes | None:
 
 
 def _rings(points: Floats) -> Floats:
-    """Directions around curves, shape (curves, points, sides, 3), turned as little as can be on the way."""
+    """Directions around curves, shape (curves, points, sides, 3), turned as little as possible along them."""
     along = _unit(np.gradient(points, axis=1))
     side = _unit(np.cross(along[:, 0], np.eye(3)[np.argmin(np.abs(along[:, 0]), axis=1)]))
     angles = 2 * np.pi * np.arange(_SIDES) / _SIDES

@@ -31,11 +31,11 @@ class Images:
             self._findings.lost(node.name, "has no image")
             return None
         if node.projection != "FLAT":
-            self._findings.lost(image.name, f"no equal of the projection {node.projection}; taken as flat")
+            self._findings.lost(image.name, f"no support for the projection {node.projection}; taken as flat")
         wrap = _WRAPS.get(node.extension)
         if wrap is None:
             self._findings.lost(
-                image.name, f"no equal of the extension {node.extension}; the image is repeated"
+                image.name, f"no support for the extension {node.extension}; the image is repeated"
             )
             wrap = "repeat"
         if alpha:

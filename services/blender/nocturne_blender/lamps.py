@@ -35,7 +35,7 @@ class Lamps:
         data = lamp.data
         kind = {"POINT": self._ball, "SPOT": self._ball, "AREA": self._area, "SUN": self._sun}[data.type]
         if data.node_tree is not None and getattr(data, "use_nodes", True):
-            self._findings.lost(lamp.name, "no equal of a lamp's nodes; its colour and power are taken")
+            self._findings.lost(lamp.name, "no support for a lamp's nodes; its colour and power are taken")
         before = len(self._document["surfaces"])
         kind(lamp, matrix)
         for surface in self._document["surfaces"][before:]:
@@ -85,7 +85,7 @@ class Lamps:
         if area == 0.0:
             return
         if data.spread < math.pi - 1e-3:
-            self._findings.lost(lamp.name, "no equal of an area lamp's spread; it shines to all sides")
+            self._findings.lost(lamp.name, "no support for an area lamp's spread; it shines to all sides")
         watts = data.energy * (1.0 if data.normalize else area)
         centre = matrix.translation
         # The lamp shines along its -z: along x across would be +z.

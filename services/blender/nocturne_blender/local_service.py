@@ -39,7 +39,7 @@ def ensure(service: Service, url: str, program: str, data: Path) -> None:
 
 
 def stop_all() -> None:
-    """Ends what was started here."""
+    """Ends the service if it was started here."""
     for process in _started.values():
         process.terminate()
     for process in _started.values():

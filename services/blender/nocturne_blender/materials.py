@@ -20,7 +20,7 @@ _MAX_DEPTH = 16
 
 @dataclass(frozen=True)
 class Shader:
-    """What a shader node does: how it scatters, and what it emits."""
+    """A shader node's scattering and emission."""
 
     kernel: Json = None
     radiance: Json = 0.0
@@ -51,7 +51,7 @@ class Materials:
         if end is None:
             return {"kernel": _BLACK}
         if source(end.inputs["Displacement"]) is not None:
-            reader.lost("no equal of displacement; left out")
+            reader.lost("no support for displacement; left out")
         surface, volume = source(end.inputs["Surface"]), source(end.inputs["Volume"])
         shader = Shader() if surface is None else self._shader(surface, reader, 0)
         kernel = shader.kernel or (_BLACK if shader.radiance != 0.0 else None)
@@ -80,12 +80,12 @@ class Materials:
         if node.bl_idname == "ShaderNodeAddShader":
             first, second = (self._input(socket, reader, depth) for socket in node.inputs)
             if first.kernel and second.kernel:
-                reader.lost("no equal of a sum of two shaders that scatter; the first one is taken")
+                reader.lost("no support for a sum of two shaders that scatter; the first one is taken")
             radiance = first.radiance if first.radiance != 0.0 else second.radiance
             return Shader(first.kernel or second.kernel, radiance)
         make = _SHADERS.get(node.bl_idname)
         if make is None:
-            reader.lost(f"no equal of the shader {node.bl_label}; it is black")
+            reader.lost(f"no support for the shader {node.bl_label}; it is black")
             return Shader(_BLACK)
         return make(node, reader)
 
@@ -102,10 +102,10 @@ class Materials:
         for shader, part in ((first, 1 - weight), (second, weight)) if isinstance(weight, float) else ():
             if shader.radiance != 0.0:
                 if radiance != 0.0:
-                    reader.lost("no equal of two shaders that both emit; the second one is taken")
+                    reader.lost("no support for two shaders that both emit; the second one is taken")
                 radiance = _scaled(shader.radiance, part)
         if not isinstance(weight, float) and (first.radiance != 0.0 or second.radiance != 0.0):
-            reader.lost("no equal of light mixed by a texture; left out")
+            reader.lost("no support for light mixed by a texture; left out")
         return Shader(_blend(first.kernel or _BLACK, second.kernel or _BLACK, weight), radiance)
 
 
@@ -125,7 +125,7 @@ def _scaled(radiance: Json, factor: float) -> Json:
 
 def _diffuse(node: Any, reader: Reader) -> Shader:
     if reader.scalar(node.inputs["Roughness"]) != 0.0:
-        reader.lost("no equal of rough diffuse reflection (Oren-Nayar); taken as Lambertian")
+        reader.lost("no support for rough diffuse reflection (Oren-Nayar); taken as Lambertian")
     return Shader({"type": "lambertian", "reflectance": reader.reflectance(node.inputs["Color"])})
 
 
@@ -136,14 +136,16 @@ def _translucent(node: Any, reader: Reader) -> Shader:
 
 def _glossy(node: Any, reader: Reader) -> Shader:
     if abs(reader.number(node.inputs["Anisotropy"])) > 0:
-        reader.lost("no equal of brushed metal along a mesh's tangents; taken as even")
+        reader.lost("no support for brushed metal along a mesh's tangents; taken as even")
     colour, rough = reader.reflectance(node.inputs["Color"]), reader.scalar(node.inputs["Roughness"])
     return Shader(principled.metal(colour, rough))
 
 
 def _glass(node: Any, reader: Reader) -> Shader:
     if reader.colour(node.inputs["Color"]) != [1.0, 1.0, 1.0]:
-        reader.lost("no equal of glass coloured at its surface; taken as clear (use a volume's absorption)")
+        reader.lost(
+            "no support for glass coloured at its surface; taken as clear (use a volume's absorption)"
+        )
     rough = reader.scalar(node.inputs["Roughness"])
     return Shader(principled.glass(max(1.0, reader.number(node.inputs["IOR"])), rough, reader))
 
@@ -152,7 +154,7 @@ def _transparent(node: Any, reader: Reader) -> Shader:
     colour = reader.colour(node.inputs["Color"])
     if colour == [1.0, 1.0, 1.0]:
         return Shader(_CLEAR)
-    # Light that goes straight on in a colour: a sheet whose index is that of what is around it.
+    # Light that goes straight on in a colour: a sheet with the index of its surroundings.
     return Shader({"type": "thin_pane", "index": 1.0, "transmittance": light.reflectance(colour)})
 
 
@@ -198,14 +200,14 @@ def _relief(node: Any, reader: Reader) -> Json:
         use = reader.texture(found.inputs["Color"])
         if use is not None:
             if reader.number(found.inputs["Strength"]) != 1.0:
-                reader.lost("no equal of a normal map's strength")
+                reader.lost("no support for a normal map's strength")
             return {"normal_map": use | {"texture": use["texture"] | {"encoding": "linear"}}}
     if found.bl_idname == "ShaderNodeBump":
         use = reader.texture(found.inputs["Height"])
         height = reader.number(found.inputs["Distance"]) * reader.number(found.inputs["Strength"])
         if use is not None:
             return {"bump_map": use | {"height": -height if found.invert else height}}
-    reader.lost("no equal of what turns its normals; left out")
+    reader.lost("no support for what turns its normals; left out")
     return {}
 
 

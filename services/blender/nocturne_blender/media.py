@@ -15,7 +15,7 @@ def medium_of(node: Any, reader: Reader) -> Json | None:
     """
     kind = node.bl_idname
     if kind not in ("ShaderNodeVolumeScatter", "ShaderNodeVolumeAbsorption", "ShaderNodeVolumePrincipled"):
-        reader.lost(f"no equal of the volume {node.bl_label}; left out")
+        reader.lost(f"no support for the volume {node.bl_label}; left out")
         return None
     density = reader.number(node.inputs["Density"])
     colour = [min(1.0, max(0.0, part)) for part in reader.colour(node.inputs["Color"])]
@@ -28,9 +28,9 @@ def medium_of(node: Any, reader: Reader) -> Json | None:
     if kind == "ShaderNodeVolumePrincipled":
         found["absorption"] = light.reflectance(rest)
         if any(reader.number(node.inputs[name]) > 0 for name in ("Emission Strength", "Blackbody Intensity")):
-            reader.lost("no equal of a volume that glows; it is dark")
+            reader.lost("no support for a volume that glows; it is dark")
     elif getattr(node, "phase", "HENYEY_GREENSTEIN") != "HENYEY_GREENSTEIN":
-        reader.lost(f"no equal of the phase {node.phase}; taken as Henyey-Greenstein's")
+        reader.lost(f"no support for the phase {node.phase}; taken as Henyey-Greenstein's")
     g = reader.number(node.inputs["Anisotropy"])
     if g != 0.0:
         found["phase"] = {"type": "henyey_greenstein", "g": max(-0.99, min(0.99, g))}

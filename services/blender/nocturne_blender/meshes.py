@@ -11,7 +11,7 @@ Json = Any
 
 # Corner normals nearer to the face's than this are the face's.
 _FLAT = 1e-4
-# Digits by which normals and coordinates of corners are told apart.
+# Digits by which normals and coordinates of corners are compared.
 _NORMAL_STEPS, _COORDINATE_STEPS = 1e4, 1e6
 
 

@@ -45,7 +45,7 @@ class Movements:
         set_frame(frame, part)
 
     def of(self, key: Any, matrix: Any, name: str, *, scales: bool = True) -> Json:
-        """Fields of what is known by `key` and stands at `matrix`: its motion, or none.
+        """Fields of the object with this `key` at `matrix`: its motion, or none.
 
         `scales`: whether it may become larger or smaller meanwhile.
         """

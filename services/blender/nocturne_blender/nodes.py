@@ -23,7 +23,7 @@ class Reader:
     findings: Findings
 
     def lost(self, what: str) -> None:
-        """Something has no equal."""
+        """Something is not supported."""
         self.findings.lost(self.name, what)
 
     def number(self, socket: Any) -> float:
@@ -34,7 +34,7 @@ class Reader:
         if node.bl_idname == "ShaderNodeValue":
             return float(node.outputs[0].default_value)
         self.lost(
-            f"no equal of what is linked to {socket.name!r}; {float(socket.default_value):.3g} is taken"
+            f"no support for what is linked to {socket.name!r}; {float(socket.default_value):.3g} is taken"
         )
         return float(socket.default_value)
 
@@ -43,7 +43,7 @@ class Reader:
         node = source(socket)
         found = None if node is None else self._constant(node)
         if node is not None and found is None:
-            self.lost(f"no equal of what is linked to {socket.name!r}; its own colour is taken")
+            self.lost(f"no support for what is linked to {socket.name!r}; its own colour is taken")
         return [float(value) for value in (found or socket.default_value)[:3]]
 
     def scalar(self, socket: Any) -> Json:
@@ -83,12 +83,12 @@ class Reader:
         if mapping is None or mapping.bl_idname in ("ShaderNodeUVMap", "ShaderNodeTexCoord"):
             return {}
         if mapping.bl_idname != "ShaderNodeMapping":
-            self.lost("no equal of a texture's coordinates; those of the mesh are taken")
+            self.lost("no support for a texture's coordinates; those of the mesh are taken")
             return {}
         if mapping.vector_type not in ("POINT", "TEXTURE") or any(
             abs(angle) > 1e-6 for angle in mapping.inputs["Rotation"].default_value
         ):
-            self.lost("no equal of a turned texture; taken as not turned")
+            self.lost("no support for a turned texture; taken as not turned")
         scale = [float(value) for value in mapping.inputs["Scale"].default_value[:2]]
         shift = [float(value) for value in mapping.inputs["Location"].default_value[:2]]
         if mapping.vector_type == "TEXTURE":

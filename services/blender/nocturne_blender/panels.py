@@ -15,7 +15,7 @@ _ALSO = (
     "EEVEE_WORLD_PT_surface",
     "DATA_PT_EEVEE_light",
 )
-# Of what we have no equal.
+# Blender features that are not supported.
 _NOT = ("RENDER_PT_freestyle", "RENDER_PT_simplify", "VIEWLAYER_PT_filter", "VIEWLAYER_PT_layer_passes")
 
 

@@ -13,7 +13,7 @@ _WHITE = [1.0, 1.0, 1.0]
 def kernel(node: Any, reader: Reader) -> Json:
     """What a Principled BSDF scatters."""
     if reader.number(node.inputs["Subsurface Weight"]) != 0.0:
-        reader.lost("no equal of 'Subsurface Weight'; light leaves where it came in")
+        reader.lost("no support for 'Subsurface Weight'; light leaves where it came in")
     rough, index = reader.scalar(node.inputs["Roughness"]), _index(node, reader)
     found: Json = {
         "type": "principled",
@@ -26,7 +26,7 @@ def kernel(node: Any, reader: Reader) -> Json:
     through = reader.scalar(node.inputs["Transmission Weight"])
     if through != 0.0 and found["metallic"] != 1.0:
         if found["metallic"] != 0.0:
-            reader.lost("no equal of glass that is partly metal; what is not let through is")
+            reader.lost("no support for glass that is partly metal; what is not let through is")
         clear = glass(index, rough, reader)
         found = (
             clear if through == 1.0 else {"type": "blend", "first": found, "second": clear, "weight": through}
@@ -74,7 +74,7 @@ def _tint(node: Any, index: float, metallic: Json, reader: Reader) -> Json:
     if tint == _WHITE:
         return {}
     if metallic != 0.0:
-        reader.lost("no equal of 'Specular Tint' of metal; its edges are white")
+        reader.lost("no support for 'Specular Tint' of metal; its edges are white")
     own = ((index - 1) / (index + 1)) ** 2
     return {"specular_colour": light.reflectance([min(1.0, max(0.0, own * part)) for part in tint])}
 
@@ -96,7 +96,7 @@ def _coat(node: Any, reader: Reader) -> Json:
     if amount == 0.0:
         return {}
     if reader.colour(node.inputs["Coat Tint"]) != _WHITE:
-        reader.lost("no equal of 'Coat Tint'; taken as clear")
+        reader.lost("no support for 'Coat Tint'; taken as clear")
     return {
         "coat": amount,
         "coat_roughness": reader.scalar(node.inputs["Coat Roughness"]),
@@ -120,7 +120,7 @@ def _alpha(rough: Json, reader: Reader) -> Json:
     """Alpha of the microfacets is the square of Blender's roughness."""
     if isinstance(rough, float):
         return {"roughness": rough**2} if rough > 0 else {}
-    reader.lost("no equal of the square of a texture of roughness; taken as it is")
+    reader.lost("no support for the square of a texture of roughness; taken as it is")
     return {"roughness": rough}
 
 

@@ -29,7 +29,7 @@ class NothingToRender(Exception):
 
 @dataclass(frozen=True)
 class SentScene:
-    """What goes to the service."""
+    """The request to the service, and its files."""
 
     document: Json
     files: Files
@@ -90,13 +90,13 @@ def read(depsgraph: Any, set_frame: SetFrame) -> SentScene:
         if is_lamp:
             lamps.add(thing, matrix, motion)
         elif thing.type in _WITH_GEOMETRY:
-            # What is shown more than once has one evaluated geometry.
+            # An object that is shown more than once has one evaluated geometry.
             key = hash((thing.data.session_uid, thing.data.as_pointer(), _materials_of(thing)))
             shown[key].append(_Shown(thing.original.evaluated_get(depsgraph), matrix, motion))
         elif thing.type == "VOLUME":
             objects.add_volume(_Shown(thing.original.evaluated_get(depsgraph), matrix, motion))
         elif thing.type == "POINTCLOUD":
-            findings.lost(thing.name, f"no equal of an object of the type {thing.type}; left out")
+            findings.lost(thing.name, f"no support for an object of the type {thing.type}; left out")
     for places in shown.values():
         objects.add(places)
     return SentScene({key: part for key, part in document.items() if part not in ({}, [])}, files, findings)

@@ -25,7 +25,7 @@ _ENDED = ("SUCCEEDED", "STOPPED_EARLY", "DEGRADED", "FAILED", "CANCELLED")
 
 
 class ServiceError(Exception):
-    """What went wrong, in words for whoever pressed the button."""
+    """A failure, in words for the person who pressed the button."""
 
 
 class NotReached(ServiceError):
@@ -111,7 +111,7 @@ class Service:
         return self._send("GET", f"/v1/renders/{identity}/tiles{query}", delays_s=_FOLLOW_DELAYS_S)
 
     def cancel(self, identity: str) -> None:
-        """Stops a render, whatever `on_wait` says; what it has stays at the service."""
+        """Stops a render, whatever `on_wait` says; its samples stay at the service."""
         self._send("POST", f"/v1/renders/{identity}:cancel", b"{}", "application/json", quiet=True)
 
     def _post(self, path: str, body: Json) -> Json:
@@ -167,7 +167,7 @@ class Service:
 
 
 class _Again(NotReached):
-    """What may be better in a moment, or `after_s` seconds where the service said so."""
+    """A failure that may be over in a moment, or `after_s` seconds where the service said so."""
 
     def __init__(self, message: str, after_s: float = 0.0) -> None:
         super().__init__(message)

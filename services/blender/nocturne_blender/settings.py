@@ -1,4 +1,4 @@
-"""What is set for a scene, a lamp, and for all of Blender."""
+"""Settings of a scene, of a lamp, and of all of Blender."""
 
 import os
 from pathlib import Path

@@ -20,14 +20,14 @@ _FACES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), 
 def surface(
     shown: Any, where: Json | None, fields: Json, document: Json, files: Files, findings: Findings
 ) -> Json:
-    """The surface around a volume; None where it has no equal.
+    """The surface around a volume; None where it is not supported.
 
     `where`: its Placement; `fields`: those of its material.
     """
     thing, name = shown.thing, shown.thing.name
     media = fields.get("interior", {}).get("media", [])
     if where is None or not media:
-        findings.lost(name, "no equal of a volume that is stretched, or without a shader; left out")
+        findings.lost(name, "no support for a volume that is stretched, or without a shader; left out")
         return None
     grids = thing.data.grids
     grids.load()

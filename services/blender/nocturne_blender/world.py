@@ -24,12 +24,12 @@ def environment(world: Any, images: Images, findings: Findings) -> Json | None:
     if end is None:
         return None
     if source(end.inputs["Volume"]) is not None:
-        reader.lost("no equal of a world's volume; left out")
+        reader.lost("no support for a world's volume; left out")
     background = source(end.inputs["Surface"])
     if background is None:
         return None
     if background.bl_idname not in ("ShaderNodeBackground", "ShaderNodeEmission"):
-        reader.lost(f"no equal of a world of {background.bl_label}; it is black")
+        reader.lost(f"no support for a world of {background.bl_label}; it is black")
         return None
     strength = reader.number(background.inputs["Strength"])
     picture = source(background.inputs["Color"])
@@ -62,9 +62,9 @@ def _turn(node: Any, reader: Reader) -> Any:
     if mapping is None or mapping.bl_idname == "ShaderNodeTexCoord":
         return Euler((0, 0, 0)).to_matrix()
     if mapping.bl_idname != "ShaderNodeMapping":
-        reader.lost("no equal of the coordinates of the world's picture; taken as not turned")
+        reader.lost("no support for the coordinates of the world's picture; taken as not turned")
         return Euler((0, 0, 0)).to_matrix()
     if any(abs(part - 1) > 1e-6 for part in mapping.inputs["Scale"].default_value):
-        reader.lost("no equal of a stretched world; taken as not stretched")
+        reader.lost("no support for a stretched world; taken as not stretched")
     there = Euler(mapping.inputs["Rotation"].default_value).to_matrix()
     return there if mapping.vector_type == "TEXTURE" else there.inverted()

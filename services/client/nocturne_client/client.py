@@ -144,7 +144,7 @@ class Client:
         `stop`: what else ends it, whichever comes first, of
         relative_error, tile_relative_error, wall_seconds, cpu_seconds, until ("07:00 Europe/Berlin").
         `changes` of the document: values by their places, such as `sensor.position[0]`.
-        `layers`: what the EXR is to tell of surfaces, of albedo, normal, depth, position, object, material,
+        `layers`: further channels of the EXR, of albedo, normal, depth, position, object, material,
         emission.
         Renders with the same `group` are one; `after`: a group that has to end before this render begins.
         `tags`: words to sort renders by. Submitting again with the same `request_id` gives the same render.
@@ -240,8 +240,7 @@ class Client:
 
     def cancel(self, render_id: str, request_id: str | None = None) -> Render:
         """Stops a render; its merged samples stay."""
-        body = {"request_id": request_id or str(uuid.uuid4())}
-        return decode(Render, self._transport.post(f"/v1/renders/{_part(render_id)}:cancel", body))
+        return self._act(render_id, "cancel", {"request_id": request_id or str(uuid.uuid4())})
 
     def delete(self, render_id: str) -> None:
         """Forgets a render that has ended, with its images and the files that no other render uses."""
@@ -279,8 +278,7 @@ class Client:
 
     def replay(self, render_id: str, request_id: str | None = None) -> Render:
         """A new render with the samples per tile that this one has: its image has the same bits."""
-        body = {"request_id": request_id or str(uuid.uuid4())}
-        return decode(Render, self._transport.post(f"/v1/renders/{_part(render_id)}:replay", body))
+        return self._act(render_id, "replay", {"request_id": request_id or str(uuid.uuid4())})
 
     def baselines(self, render_id: str) -> Sequence[Render]:
         """Renders of the same scene and film by other engines, the newest of each."""
@@ -311,7 +309,7 @@ class Client:
         """Extremes, mean and uniformity of parts of the image, with their errors.
 
         Without outlines of those kept with the render; where there are none, of the whole film. `bins`: of a
-        histogram, between `bounds` or as the values are. `colour`: tell that of the light, where it is known.
+        histogram, between `bounds` or as the values are. `colour`: with that of the light, where it is known.
         """
         body = {
             "outlines": [asdict(outline) for outline in outlines],
@@ -442,7 +440,7 @@ class Client:
         return decode(Group, self._transport.get(f"/v1/groups/{_part(name)}"))
 
     def usage(self) -> Usage:
-        """Who uses what, and what it costs."""
+        """Use of the service by owner, with its cost."""
         return decode(Usage, self._transport.get("/v1/usage"))
 
     def list(self, limit: int = 50, group: str = "", tag: str = "", search: str = "") -> Sequence[Render]:

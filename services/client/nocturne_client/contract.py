@@ -313,7 +313,7 @@ class Histogram:
 
 @dataclass(frozen=True)
 class ColourValue:
-    """A number that tells of the colour of the light that arrives."""
+    """A number of the colour of the arriving light."""
 
     name: str
     """Such as Ra, Rf, melanopic equivalent daylight illuminance."""
@@ -369,7 +369,7 @@ class Measurement:
     colour: list[ColourValue]
     """Of the light, where it was asked for and is known."""
     daylight_factor: DaylightFactor | None
-    """Of meters whose sensor names what is outdoors."""
+    """Of meters whose sensor names an instrument outdoors."""
 
 
 @dataclass(frozen=True)
@@ -445,7 +445,9 @@ class Glare:
     dgp_sources: list[GlareSource]
     """Of DGP; those that count most first."""
     notes: list[str]
-    """What is outside of the range for which a formula was made, and what else makes a rating uncertain."""
+    """Values outside of the range for which a formula was made, and other reasons that make a rating
+    uncertain.
+    """
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Which files belong to a scene of another renderer: itself, and those beside it that it names."""
+"""Which files belong to a scene of another renderer: itself, and those next to it that it names."""
 
 import codecs
 import gzip
@@ -14,7 +14,7 @@ from urllib.parse import unquote
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.scene_files import digest
 
-# Those that name no files beside them.
+# Those that name no other files.
 _ALONE = (".glb", ".zip")
 # Those that may name others; all of their formats put names into quotes.
 _TEXTS = (".xml", ".pbrt", ".pbrt.gz", ".gltf")

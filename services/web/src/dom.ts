@@ -22,6 +22,28 @@ export function element<Tag extends keyof HTMLElementTagNameMap>(
   return node;
 }
 
+/** A part of a page with its heading; the page has no other of this id. */
+export function section(id: string, title: string, ...children: Child[]): HTMLElement {
+  return element("section", { "aria-labelledby": `${id}-title` }, element("h2", { id: `${id}-title` }, title), ...children);
+}
+
+/** A table; columns of buttons have empty headings. */
+export function table(headings: readonly string[], rows: readonly HTMLElement[], caption?: string): HTMLElement {
+  const head = element("tr", {}, ...headings.map((text) => (text ? element("th", { scope: "col" }, text) : element("td"))));
+  return element(
+    "table",
+    {},
+    ...(caption === undefined ? [] : [element("caption", {}, caption)]),
+    ...(headings.length > 0 ? [element("thead", {}, head)] : []),
+    element("tbody", {}, ...rows),
+  );
+}
+
+/** One row of it: its name, and a cell for each of the others. */
+export function tableRow(name: Child | readonly Child[], cells: readonly Child[]): HTMLElement {
+  return element("tr", {}, element("th", { scope: "row" }, ...[name].flat()), ...cells.map((each) => element("td", {}, each)));
+}
+
 /** Holds what may be wider than a phone: it scrolls sideways, by keys as well. */
 export function scroller(look: string, label: string): HTMLElement {
   return element("div", { class: look, tabindex: "0", role: "region", "aria-label": label });

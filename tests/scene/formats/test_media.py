@@ -317,7 +317,7 @@ def test_pbrts_grids_go_by_x_first(tmp_path: Path, monkeypatch: pytest.MonkeyPat
 @pytest.mark.parametrize(
     ("body", "said"),
     [
-        ('MakeNamedMedium "m" "string type" "cloud"', "no equal of the medium"),
+        ('MakeNamedMedium "m" "string type" "cloud"', "no support for the medium"),
         ('MakeNamedMedium "m" "string type" "homogeneous" "string preset" "Skin1"', "a preset"),
         ('MakeNamedMedium "m" "string type" "homogeneous" "rgb Le" [ 1 1 1 ]', "does not glow"),
         (

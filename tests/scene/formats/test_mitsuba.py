@@ -209,18 +209,18 @@ def test_defaults_includes_and_references(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("body", "said"),
     [
-        ('<shape type="sdfgrid"/>', 'a.xml:8: no equal of the shape "sdfgrid"'),
-        ('<shape type="sphere"><bsdf type="hair"/></shape>', 'no equal of the bsdf "hair"'),
+        ('<shape type="sdfgrid"/>', 'a.xml:8: no support for the shape "sdfgrid"'),
+        ('<shape type="sphere"><bsdf type="hair"/></shape>', 'no support for the bsdf "hair"'),
         (
             '<shape type="sphere"><float name="colour" value="1"/></shape>',
-            'no equal of the parameter "colour"',
+            'no support for the parameter "colour"',
         ),
-        ('<emitter type="sunsky"/>' + SPHERE, 'no equal of the emitter "sunsky"'),
+        ('<emitter type="sunsky"/>' + SPHERE, 'no support for the emitter "sunsky"'),
         (
             '<shape type="sphere"><bsdf type="principledthin"/></shape>',
-            'no equal of the bsdf "principledthin"',
+            'no support for the bsdf "principledthin"',
         ),
-        (SPHERE + '<volume type="gridvolume"/>', "no equal of <volume>"),
+        (SPHERE + '<volume type="gridvolume"/>', "no support for <volume>"),
     ],
 )
 def test_what_has_no_equal_is_named_and_can_be_allowed(tmp_path: Path, body: str, said: str) -> None:

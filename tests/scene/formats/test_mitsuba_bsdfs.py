@@ -147,7 +147,7 @@ def test_a_principled_number_that_varies_is_its_mean_and_told(tmp_path: Path) ->
     document, found = imported(tmp_path, body, allow_missing=True)
     assert document["surfaces"][0]["kernel"]["front"]["coat"] == pytest.approx(0.25 * 0.5)
     assert [each.message for each in found.missing] == [
-        'no equal of a principled "clearcoat" that varies; taken as its mean, 0.5'
+        'no support for a principled "clearcoat" that varies; taken as its mean, 0.5'
     ]
 
 

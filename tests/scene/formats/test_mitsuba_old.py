@@ -364,10 +364,10 @@ def test_a_sky_lights_the_ground_as_in_0_6(tmp_path: Path) -> None:
     [
         (
             '<shape type="sphere"><animation name="toWorld"><transform time="0"/></animation></shape>',
-            "no equal of an <animation>",
+            "no support for an <animation>",
         ),
-        ('<shape type="sphere"><bsdf type="irawan"/></shape>', 'no equal of the bsdf "irawan"'),
-        (f'{SPHERE}<emitter type="collimated"/>', 'no equal of the emitter "collimated"'),
+        ('<shape type="sphere"><bsdf type="irawan"/></shape>', 'no support for the bsdf "irawan"'),
+        (f'{SPHERE}<emitter type="collimated"/>', 'no support for the emitter "collimated"'),
         (
             '<shape type="sphere"><medium name="interior" type="homogeneous">'
             '<string name="material" value="milk"/></medium></shape>',
@@ -375,7 +375,7 @@ def test_a_sky_lights_the_ground_as_in_0_6(tmp_path: Path) -> None:
         ),
         (
             '<shape type="sphere"><bsdf type="coating"><bsdf type="conductor"/></bsdf></shape>',
-            'no equal of a coating over "conductor"',
+            'no support for a coating over "conductor"',
         ),
     ],
 )

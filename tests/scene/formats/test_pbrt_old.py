@@ -262,12 +262,12 @@ def test_a_material_outlasts_a_transformation(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("body", "said"),
     [
-        (f'Material "fourier" "string bsdffile" "a.bsdf" {_SPHERE}', 'no equal of the material "fourier"'),
-        (f'Material "glass" "rgb Kt" [1 0.5 0.5] {_SPHERE}', 'no equal of a "Kt" other than 1 of glass'),
-        (f'Material "translucent" {_SPHERE}', 'no equal of the "Ks" of a translucent surface'),
-        (f"{_SPHERE} WorldEnd {_SPHERE}", "no equal of what follows the end of the world"),
+        (f'Material "fourier" "string bsdffile" "a.bsdf" {_SPHERE}', 'no support for the material "fourier"'),
+        (f'Material "glass" "rgb Kt" [1 0.5 0.5] {_SPHERE}', 'no support for a "Kt" other than 1 of glass'),
+        (f'Material "translucent" {_SPHERE}', 'no support for the "Ks" of a translucent surface'),
+        (f"{_SPHERE} WorldEnd {_SPHERE}", "no support for what follows the end of the world"),
         (f'NamedMaterial "none" {_SPHERE}', 'no material "none"; known: none'),
-        ('Shape "heightfield"', 'no equal of the shape "heightfield"'),
+        ('Shape "heightfield"', 'no support for the shape "heightfield"'),
     ],
 )
 def test_what_has_no_equal_is_told(tmp_path: Path, body: str, said: str) -> None:

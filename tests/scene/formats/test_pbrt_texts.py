@@ -106,7 +106,7 @@ def test_colour_spaces_in_letters_of_either_case(tmp_path: Path, name: str) -> N
 
 
 def test_other_colour_spaces_are_told(tmp_path: Path) -> None:
-    with pytest.raises(InputError, match='no equal of the colour space "rec2020"'):
+    with pytest.raises(InputError, match='no support for the colour space "rec2020"'):
         imported(tmp_path, (SCENE + 'ColorSpace "rec2020"\n').encode())
 
 

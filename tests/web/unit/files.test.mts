@@ -91,9 +91,9 @@ test("scenes of other renderers are told from our own", () => {
 });
 
 test("an imported scene needs no files, and says what was left out", () => {
-  const missing = [{ place: "a.xml:3", message: "no equal of hair" }];
+  const missing = [{ place: "a.xml:3", message: "no support for hair" }];
   const document = JSON.parse('{"nocturne": 1}') as SceneDocument;
   const scene = sceneOf({ document, scene: "a.xml", width: 40, height: 20, samples: null, notes: ["a point became a sphere"], missing });
-  assert.deepEqual(scene.notes, ["Left out: a.xml:3: no equal of hair", "a point became a sphere"]);
+  assert.deepEqual(scene.notes, ["Left out: a.xml:3: no support for hair", "a point became a sphere"]);
   assert.deepEqual([scene.film.width, scene.film.height, scene.files.size, scene.problems.length], [40, 20, 0, 0]);
 });

@@ -1,8 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { ticks } from "../../../services/web/src/image/colour_maps.ts";
-import { glareMarks } from "../../../services/web/src/measure/glare_marks.ts";
-import { glareText, hasGlare } from "../../../services/web/src/measure/glare_text.ts";
+import { glareMarks, glareText, hasGlare } from "../../../services/web/src/measure/glare.ts";
 import { isWhole, parsePoints, pointsText } from "../../../services/web/src/measure/outlines.ts";
 import type { Glare, Measurements } from "../../../services/web/src/service/types.ts";
 

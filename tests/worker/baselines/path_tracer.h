@@ -1,6 +1,6 @@
 // Path tracing with explicit direct light, for comparison only. Kajiya, SIGGRAPH 1986; weights of
-// both ways to a light by the power heuristic, Veach and Guibas, SIGGRAPH 1995. It shares nothing
-// with the tracing loop, so that each can be held against the other.
+// both techniques towards a light by the power heuristic, Veach and Guibas, SIGGRAPH 1995. It
+// shares nothing with the tracing loop, so that each can be held against the other.
 #pragma once
 
 #include "baselines/path_result.h"

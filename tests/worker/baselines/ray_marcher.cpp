@@ -34,7 +34,7 @@ class March {
     float added, passed;
   };
 
-  // From boundary to boundary up to what is seen; what that shows, and what the pieces add.
+  // From boundary to boundary up to the visible surface: its radiance, and that of the pieces.
   template <class OnPiece, class OnSurface>
   float follow(Ray ray, InteriorList inside, const OnPiece& on_piece, const OnSurface& on_surface) {
     float radiance = 0.0f, left = 1.0f;

@@ -63,7 +63,7 @@ TEST(Glazing, OneBareSheetAlongTheNormalIsAThinPane) {
   EXPECT_NEAR(of(one, 0.0).reflected, pane.reflected, 1e-7);
 }
 
-// What goes through is the same from both sides; energy is lost only in what absorbs.
+// Transmission is the same from both sides; energy is lost only in absorbing layers.
 TEST(Glazing, IsReciprocal) {
   const std::vector<Pane> panes{SheetPane{Spectrum(1.52f), Spectrum(0.95f), {}, silver()},
                                 MeasuredPane{Spectrum(0.05f), Spectrum(0.2f), Spectrum(0.7f)},

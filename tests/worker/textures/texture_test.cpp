@@ -292,7 +292,8 @@ TEST_F(DamagedTextures, AreRefusedIfTheyEndTooEarlyOrTooLate) {
   }
 }
 
-// Any bits of the header and of what follows it. What is accepted can be looked up everywhere.
+// Any bits of the header and of the pixels after it. A file that is accepted can be looked up
+// everywhere.
 TEST_F(DamagedTextures, GiveFiniteNumbersOrAreRefused) {
   std::uint32_t state = 1;
   const auto random = [&](std::size_t below) {

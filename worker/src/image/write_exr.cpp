@@ -1,4 +1,4 @@
-// Long: all that an image tells of its errors, in the order in which it is written.
+// Long: all that an image holds of its errors, in the order in which it is written.
 #include "image/write_exr.h"
 
 #include <ImfChannelList.h>

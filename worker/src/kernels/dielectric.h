@@ -6,8 +6,8 @@
 //
 // Each photon reflects with the probability that Fresnel's equations give it, so those of a group
 // part where they decide differently, and where they refract into different directions. Layers on
-// the boundary change that probability (thin_film.h); of what they don't absorb it is then the
-// share, and weights are by so much less.
+// the boundary change that probability (thin_film.h); of the light that they don't absorb it is
+// then the share, and weights are by so much less.
 #pragma once
 
 #include <algorithm>

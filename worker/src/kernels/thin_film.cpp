@@ -9,7 +9,7 @@
 namespace nocturne {
 namespace {
 
-// Of what decays along its way: the imaginary part is not negative.
+// Of a wave that decays along its path: the imaginary part is not negative.
 Complex root(Complex z) {
   const double size = std::sqrt(z.norm());
   const double larger = std::sqrt(0.5 * (size + std::fabs(z.re)));
@@ -65,7 +65,7 @@ Amplitudes behind(const Interface& first, Complex phase, const Amplitudes& next)
 PolarisedAmplitudes film_amplitudes(double cosine, double from, std::span<const FilmLayer> layers,
                                     Complex to, double wavelength) {
   const double along = from * std::sqrt((1.0 - cosine) * (1.0 + cosine));
-  // From the base outwards: `here` is what lies above the interface, `below` what lies under it.
+  // From the base outwards: `here` is the medium above the interface, `below` the one under it.
   Place below(to, along);
   Complex index_below = to;
   PolarisedAmplitudes found{};

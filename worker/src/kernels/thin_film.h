@@ -66,7 +66,7 @@ struct FilmLayer {
 /// layers in turn, and on to the index `to`.
 PolarisedAmplitudes film_amplitudes(double cosine, double from, std::span<const FilmLayer> layers,
                                     Complex to, double wavelength);
-/// The same as shares; where `to` absorbs, what is transmitted is what enters it.
+/// The same as shares; where `to` absorbs, the transmitted share is the one that enters it.
 PolarisedShares film_shares(double cosine, double from, std::span<const FilmLayer> layers,
                             Complex to, double wavelength);
 

@@ -15,8 +15,8 @@ namespace nocturne {
 
 struct Patch {
   // corner + u edge_u + v edge_v; u, v in [0, 1], for a triangle also u + v <= 1. In double
-  // precision what a needle's width is small beside: else its plane is turned off its corners, and
-  // neighbours overlap.
+  // precision, as a needle's width is small compared with its corner: else its plane is turned off
+  // its corners, and neighbours overlap.
   Vec3 corner;
   Double3 edge_u, edge_v;
   Double3 across;          // edge_u x edge_v: the side that emits

@@ -60,7 +60,7 @@ struct JointSets {
 class PixelSequence {
  public:
   /// How the numbers of one set are randomised: a shuffle of the sample index, and a scramble for
-  /// each dimension. And which dimensions of the Sobol sequence they are.
+  /// each dimension, and the dimensions of the Sobol sequence that they are.
   struct Randomisation {
     __m128i scrambles;
     std::uint32_t shuffle, table;
@@ -166,8 +166,8 @@ class PhotonSequence {
     for (; i < count; ++i) numbers[i] = sequence_of(i).next();
   }
 
-  /// Numbers of a photon that leaves this one's path: they have nothing in common with what follows
-  /// here. The number is 1 to 255, a branch of a branch being the sum of both.
+  /// Numbers of a photon that leaves this one's path: they have nothing in common with the numbers
+  /// that follow here. The number is 1 to 255, a branch of a branch being the sum of both.
   PhotonSequence branch(std::uint32_t number) const {
     PhotonSequence other = *this;
     other.set_ += number << PixelSequence::kBranchBits;

@@ -63,7 +63,7 @@ struct Crossed {
 
 /// Whether two of the surfaces that a line crosses close together lie in one place: they are
 /// parallel, and at no distance at all; or one of them bounds a body, and they are no further apart
-/// than the numbers tell that they are made of. Of all faces of one surface only the nearest
+/// than the numbers show that they are made of. Of all faces of one surface only the nearest
 /// touches another, and that one's nearest only: so the faces of a thin body stay apart. Of one
 /// surface only a part that is left and then entered again touches, as two boxes of one mesh may.
 /// `close` is by surface.

@@ -46,7 +46,7 @@ struct Lookup {
     // Texels are counted from the top row down.
     const float s = wrapped(u, wrap), t = 1.0f - wrapped(v, wrap);
     // Beyond an edge that is held, that much of both sides of a footprint sees the edge alone: a
-    // coarser level there would mix in what is farther inside.
+    // coarser level there would mix in texels that are farther inside.
     const float beyond = wrap == TextureWrap::kClamp && std::isfinite(u) && std::isfinite(v)
                              ? std::max(std::abs(u - s), std::abs(1.0f - v - t))
                              : 0.0f;
@@ -70,7 +70,7 @@ struct Lookup {
   template <int kChannels>
   std::array<float, kChannels> interpolated(const Level& level, float s, float t) const {
     // The texel whose centre is left of the place, or above it, and how far the place is from
-    // there. The file holds what follows the last one where the picture repeats.
+    // there. The file holds the texel after the last one where the picture repeats.
     const auto before = [&](float along, float size, int count) {
       const float place = along * size - 0.5f;
       const float whole = std::floor(place);

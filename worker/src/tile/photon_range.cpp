@@ -71,7 +71,7 @@ struct Independent {
     return whole + of_film + (samples - 1.0) / samples * (scale * scale) * of_photons;
   }
 
-  /// Products of further responses with what comes before them and with themselves, in place.
+  /// Products of further responses with those before them and with themselves, in place.
   void further_products(const double* film_values, const double* photon_values, std::size_t values,
                         const double* photon, double* film) const {
     for (std::size_t a = TileSums::kXyzValues; a < values; ++a) {

@@ -37,7 +37,7 @@ struct TileSums {
   std::vector<double> block_products;
   /// The same of the whole tile; of a film's tiles, row by row. With further responses there
   /// follow, for each of them, its products with X, Y, Z, with those before it and with itself:
-  /// from them come errors of what is made of many responses, such as colour rendering.
+  /// from them come errors of quantities of many responses, such as colour rendering.
   std::vector<double> tile_products;
   std::uint64_t photons = 0;
   std::uint64_t rays = 0;

@@ -37,8 +37,8 @@ class StoppableLoads {
   /// To be asked now and then whether to go on.
   using Load = std::function<Value(const std::string& key, std::stop_token stop)>;
 
-  /// Threads of loads that were given up may call `load` for a while after this is gone: what it
-  /// uses must live as long as the process, or until they saw that they are to stop.
+  /// Threads of loads that were given up may call `load` for a while after this is gone: all that
+  /// it uses must live as long as the process, or until they saw that they are to stop.
   StoppableLoads(std::size_t capacity, double max_cpu_seconds, Load load)
       : shared_(std::make_shared<Shared>(capacity, max_cpu_seconds, std::move(load))) {}
   ~StoppableLoads() {

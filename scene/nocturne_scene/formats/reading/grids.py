@@ -48,7 +48,7 @@ def density(writer: SceneWriter, grid: Grid, factor: float, place: str, *, times
     Raises InputError where it has no counterpart.
     """
     if times is not None and not np.allclose(grid.to_world, times.to_world, rtol=1e-5):
-        raise InputError.at(place, "grids of one medium in different boxes have no equal")
+        raise InputError.at(place, "grids of one medium in different boxes are not supported")
     if times is not None and times.values.size > grid.values.size:
         grid, times = times, grid
     edges = np.linalg.norm(grid.to_world[:3, :3], axis=0)
@@ -57,9 +57,9 @@ def density(writer: SceneWriter, grid: Grid, factor: float, place: str, *, times
         raise InputError.at(place, "a grid that has no volume")
     frame[:3, :3] /= edges
     if np.abs(frame[:3, :3].T @ frame[:3, :3] - np.eye(3)).max() > 1e-6:
-        raise InputError.at(place, "a grid that is sheared has no equal")
+        raise InputError.at(place, "a grid that is sheared is not supported")
     if transforms.is_mirrored(frame):
-        raise InputError.at(place, "a grid that is mirrored has no equal")
+        raise InputError.at(place, "a grid that is mirrored is not supported")
     counts, voxel = cubes(edges, grid)
     if counts is None:
         raise InputError.at(place, "the cells of the grid can't be divided into cubes")

@@ -256,7 +256,7 @@ class Compiled:
         """The picture of a colour that varies."""
         table = self.table(colour.spectrum)
         if table.constant is None:
-            self.findings.lost(place, f"a texture times a spectrum has no equal in {self.renderer}")
+            self.findings.lost(place, f"a texture times a spectrum is not supported by {self.renderer}")
         return (table.constant or 0.0) * self.picture(colour.texture.texture)
 
     def refuse_other_luminaires(self, luminaire: scene_pb2.Luminaire, group: int, place: str) -> None:
@@ -266,7 +266,7 @@ class Compiled:
         if luminaire.WhichOneof("profile"):
             self.findings.lost(
                 f"{place}.profile",
-                f"a luminaire whose radiance depends on direction has no equal in {self.renderer}",
+                f"a luminaire whose radiance depends on direction is not supported by {self.renderer}",
             )
         if luminaire.radiance.HasField("texture"):
             self.findings.lost(f"{place}.radiance", "a textured luminaire can't be exported")

@@ -72,7 +72,7 @@ class Archiver(Background):
         _log.info("render=%s: %d images are in the object store", render_id, len(files))
 
     def _put(self, render_id: str, path: Path) -> Archived | None:
-        """What went there; None where there is no such file."""
+        """Digest of the copied file; None where there is no such file."""
         with tempfile.TemporaryDirectory(dir=self._folder.root, prefix=".archive-") as folder:
             # The file that is there now, even if it is replaced in the meantime.
             same = Path(folder) / path.name

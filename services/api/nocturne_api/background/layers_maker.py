@@ -9,14 +9,14 @@ from contextlib import suppress
 from functools import partial
 from typing import Any
 
-from nocturne_coordinator.errors import FilesGone, ObjectStoreUnavailable
+from nocturne_coordinator.errors import BlobsMissing, ObjectStoreUnavailable
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.layers import LayersDue
 from nocturne_scene.document.read import check_document
 from nocturne_scene.errors import InputError
 from nocturne_scene.film import Film
 
-from nocturne_api.background.space import Space
+from nocturne_api.background.space import DiskQuota
 from nocturne_api.background.task import Background
 from nocturne_api.compiling.pool import Abandoned, CompileLimits, layers_in_child
 from nocturne_api.errors import FolderFull
@@ -36,7 +36,7 @@ class LayersMaker(Background):
         folder: DataFolder,
         in_database: Callable[..., Awaitable[Any]],
         compile_limits: CompileLimits,
-        space: Space,
+        space: DiskQuota,
     ) -> None:
         """`in_database` runs a call where the data folder's calls run."""
         self._folder = folder
@@ -99,7 +99,7 @@ class LayersMaker(Background):
             found = await self._in_database(self._folder.layers.get_due, render_id)
             if found is not None:
                 await self._make(found)
-        except (ObjectStoreUnavailable, FilesGone, FolderFull, OSError) as error:
+        except (ObjectStoreUnavailable, BlobsMissing, FolderFull, OSError) as error:
             _log.warning("render=%s: its layers are made later: %s", render_id, error)
             again_s = _AGAIN_S
         except Abandoned:

@@ -26,7 +26,7 @@ class StorageLimits:
     """Size of the data folder at which it takes no more; 0: none."""
 
 
-class Space(Background):
+class DiskQuota(Background):
     """One for each API process. Files being stored, or stored since the last look, count as there."""
 
     def __init__(self, root: Path, most_bytes: float) -> None:

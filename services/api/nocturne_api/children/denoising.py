@@ -36,7 +36,7 @@ def write_denoised(image: Path, folder: Path) -> None:
     rgb = denoised(channels)
     xyz = srgb_to_xyz(rgb)
     bars = error_bars(xyz[..., 1], channels["Y"], channels["Y.stderr"])
-    # As bright as the true image: black pixels are no longer quite black, which would move a mean of its own.
+    # As bright as the true image: black pixels are no longer quite black, which would move the mean.
     once = np.ones(bars.shape, np.uint32)
     write_preview(folder / PNG, xyz.astype(np.float64), once, FINAL_COMPRESSION, channels["Y"])
     write_rgb_png(folder / DIFFERENCE, coloured(bars))

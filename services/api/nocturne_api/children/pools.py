@@ -21,7 +21,7 @@ from nocturne_scene.errors import InputError, NotFound, Problem
 from nocturne_scene.ranges import make_schedule
 
 from nocturne_api.compiling.pool import CompileLimits
-from nocturne_api.errors import CantPreflight, Overloaded
+from nocturne_api.errors import Overloaded, PreflightFailed
 from nocturne_api.limits import (
     DENOISE_WALL_S,
     IMPORT_CPU_S,
@@ -163,7 +163,7 @@ async def preflight_in_child(
 ) -> dict[str, Any]:
     """The report, with the document that is enough.
 
-    Raises InputError, CantPreflight, and Overloaded after PREFLIGHT_WALL_S.
+    Raises InputError, PreflightFailed, and Overloaded after PREFLIGHT_WALL_S.
     """
     problems = list(await asyncio.to_thread(lambda: list(_problems(request))))
     if problems:
@@ -174,9 +174,9 @@ async def preflight_in_child(
     except TimeoutError:
         raise Overloaded(f"the preflight was not made within {PREFLIGHT_WALL_S:g} s") from None
     if answer is None:
-        raise CantPreflight("the preflight ended early; the service's log has more")
+        raise PreflightFailed("the preflight ended early; the service's log has more")
     if "failed" in answer:
-        raise CantPreflight(answer["failed"])
+        raise PreflightFailed(answer["failed"])
     return answer
 
 

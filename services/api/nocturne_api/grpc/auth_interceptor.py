@@ -14,7 +14,7 @@ from nocturne_scene.errors import InputError
 
 from nocturne_api import limits
 from nocturne_api.access import CALLER, Authenticator, Caller, secret_in
-from nocturne_api.errors import Overloaded, TooSlow
+from nocturne_api.errors import Overloaded, RequestTimedOut
 from nocturne_api.grpc.failures import Answering
 
 Context = grpc.aio.ServicerContext[Any, Any]
@@ -128,7 +128,7 @@ async def _all_readable(requests: AsyncIterator[Any]) -> AsyncIterator[Any]:
         try:
             request = await asyncio.wait_for(anext(requests, None), left)
         except TimeoutError:
-            raise TooSlow("the messages of this call came too slowly; try again") from None
+            raise RequestTimedOut("the messages of this call came too slowly; try again") from None
         if request is None:
             return
         yield _readable(request)

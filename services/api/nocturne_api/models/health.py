@@ -1,4 +1,4 @@
-"""Whether the service is ready, and what is not."""
+"""Readiness of the service, and its failed checks."""
 
 from typing import Literal, get_args
 
@@ -22,7 +22,7 @@ class Check(Answer):
         "coordinator is alive, and commits results."
     )
     ok: bool
-    trouble: str = Field(description="What is wrong, for people; empty: nothing.")
+    trouble: str = Field(description="The fault, for people; empty: none.")
 
 
 class Readiness(Answer):

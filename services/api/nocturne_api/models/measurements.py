@@ -3,8 +3,7 @@ class for each."""
 
 from typing import Annotated, Any, Literal, Self
 
-from nocturne_scene.photometry import arriving_light, glare, measuring, outlines
-from nocturne_scene.photometry.places import Places
+from nocturne_scene.photometry import measuring, outlines
 from pydantic import ConfigDict, Field
 
 from nocturne_api.models import examples
@@ -19,10 +18,6 @@ _POINTS = (
 _ERROR = "Standard error; null where it is not known."
 
 OutlineKind = Literal["rectangle", "polygon", "line"]
-
-
-def _known(value: float) -> float | None:
-    return value if value == value else None
 
 
 class OutlineRequest(RequestBody):
@@ -94,36 +89,14 @@ class PixelValue(Answer):
         description="The middle of a meter's pixel, x, y, z in metres; null of other sensors."
     )
 
-    @classmethod
-    def of(cls, pixel: measuring.PixelValue, places: Places) -> Self:
-        """The public side of a pixel's value."""
-        place = places.place(pixel.x, pixel.y)
-        return cls(
-            x=pixel.x,
-            y=pixel.y,
-            value=pixel.value,
-            standard_error=_known(pixel.standard_error),
-            place=None if place is None else [*place],
-        )
-
 
 class ColourValue(Answer):
-    """A number that tells of the colour of the light that arrives."""
+    """A number of the colour of the arriving light."""
 
     name: str = Field(description="Such as Ra, Rf, melanopic equivalent daylight illuminance.")
     value: float | None = Field(description="Null where the light has none.")
     standard_error: float | None = Field(description=_ERROR)
     unit: str = Field(description="In ASCII; empty: none.")
-
-    @classmethod
-    def of(cls, found: arriving_light.ColourValue) -> Self:
-        """The public side of a number."""
-        return cls(
-            name=found.name,
-            value=_known(found.value),
-            standard_error=_known(found.error),
-            unit=found.unit,
-        )
 
 
 class DaylightFactor(Answer):
@@ -134,16 +107,6 @@ class DaylightFactor(Answer):
     minimum: float
     minimum_error: float | None = Field(description=_ERROR)
 
-    @classmethod
-    def of(cls, found: measuring.DaylightFactor) -> Self:
-        """The public side of a daylight factor."""
-        return cls(
-            mean=found.mean,
-            mean_error=_known(found.mean_error),
-            minimum=found.minimum,
-            minimum_error=_known(found.minimum_error),
-        )
-
 
 class Histogram(Answer):
     """How many pixels have which values."""
@@ -152,16 +115,6 @@ class Histogram(Answer):
     counts: list[int]
     outside: int = Field(description="Pixels below the first bin or above the last.")
     logarithmic: bool
-
-    @classmethod
-    def of(cls, found: measuring.Histogram) -> Self:
-        """The public side of a histogram."""
-        return cls(
-            edges=found.edges().tolist(),
-            counts=found.counts.tolist(),
-            outside=found.outside,
-            logarithmic=found.logarithmic,
-        )
 
 
 class Measurement(Answer):
@@ -184,39 +137,8 @@ class Measurement(Answer):
     histogram: Histogram | None = Field(description="Where one was asked for.")
     colour: list[ColourValue] = Field(description="Of the light, where it was asked for and is known.")
     daylight_factor: DaylightFactor | None = Field(
-        description="Of meters whose sensor names what is outdoors."
+        description="Of meters whose sensor names an instrument outdoors."
     )
-
-    @classmethod
-    def of(
-        cls,
-        outline: Outline,
-        measured: tuple[measuring.Measured, Places],
-        profile_csv: str,
-        histogram: Histogram | None,
-        colour: list[arriving_light.ColourValue],
-        daylight: measuring.DaylightFactor | None,
-    ) -> Self:
-        """The public side of a measurement."""
-        found, places = measured
-        return cls(
-            outline=outline,
-            pixels=found.pixels,
-            unseen_pixels=found.unseen_pixels,
-            mean=found.mean,
-            mean_error=_known(found.mean_error),
-            minimum=PixelValue.of(found.minimum, places),
-            maximum=PixelValue.of(found.maximum, places),
-            u0=_known(found.u0),
-            u0_error=_known(found.u0_error),
-            ud=_known(found.ud),
-            ud_error=_known(found.ud_error),
-            profile=[PixelValue.of(each, places) for each in found.profile],
-            profile_csv=profile_csv,
-            histogram=histogram,
-            colour=[ColourValue.of(each) for each in colour],
-            daylight_factor=None if daylight is None else DaylightFactor.of(daylight),
-        )
 
 
 class Measurements(Answer):
@@ -277,19 +199,9 @@ class Glare(Answer):
     sources: list[GlareSource] = Field(description="Of UGR; those that count most first.")
     dgp_sources: list[GlareSource] = Field(description="Of DGP; those that count most first.")
     notes: list[str] = Field(
-        description="What is outside of the range for which a formula was made, and what else makes a rating "
-        "uncertain."
+        description="Values outside of the range for which a formula was made, and other reasons that make a "
+        "rating uncertain."
     )
-
-    @classmethod
-    def of(cls, found: glare.Glare) -> Self:
-        """The public side of a glare rating."""
-        lists = {
-            name: [GlareSource.model_validate(each) for each in getattr(found, name)]
-            for name in ("sources", "dgp_sources")
-        } | {"notes": [*found.notes]}
-        numbers = {name: _known(getattr(found, name)) for name in cls.model_fields.keys() - lists.keys()}
-        return cls.model_validate({**numbers, **lists})
 
 
 class ReadValue(Answer):

@@ -47,7 +47,7 @@ class CreateRenderRequest(RequestBody):
     priority: int = Field(default=0, description="1 to 1000; 0 means 100.")
     layers: list[str] = Field(
         default_factory=list,
-        description="What the EXR is to tell of the surfaces in the image: albedo, normal, depth, position, "
+        description="Channels of the EXR about the surfaces in the image: albedo, normal, depth, position, "
         "object, material, emission. Panoramas of scenes with luminaires have the last one always.",
     )
     group: str = Field(
@@ -103,7 +103,7 @@ class RenderActionRequest(RequestBody):
 
 
 class ExtendRenderRequest(RenderActionRequest):
-    """More samples, or other conditions: what is not named stays as it is."""
+    """More samples, or other conditions: all others stay as they are."""
 
     model_config = ConfigDict(json_schema_extra={"examples": [{"samples": 4096}]})
 

@@ -1,4 +1,4 @@
-"""Workers: who they are, what they did, and whether they get jobs. Their machines, and who uses them."""
+"""Workers, their machines and history, whether they get jobs, and the use by owners."""
 
 from dataclasses import dataclass, field
 from typing import Self

@@ -11,8 +11,8 @@ from nocturne_scene.errors import InputError, NotFound
 
 from nocturne_api import limits
 from nocturne_api.access import CALLER
-from nocturne_api.background.space import Space
-from nocturne_api.errors import Overloaded, TooMany
+from nocturne_api.background.space import DiskQuota
+from nocturne_api.errors import Overloaded, RateLimited
 from nocturne_api.files import upload
 from nocturne_api.files.open_file import OpenFile, open_file
 from nocturne_api.models.assets import Asset, BatchMissingResponse
@@ -23,7 +23,7 @@ from nocturne_api.operations.submission import digest_problems, raise_if
 class Assets:
     """The files of one data folder, by SHA-256."""
 
-    def __init__(self, access: FolderAccess, space: Space) -> None:
+    def __init__(self, access: FolderAccess, space: DiskQuota) -> None:
         self._access = access
         self._space = space
         self._blobs = access.folder.blobs
@@ -52,9 +52,8 @@ class Assets:
     async def store(self, sha256: str, size_bytes: int, pieces: AsyncIterator[bytes]) -> Asset:
         """Stores one file under its digest; InputError, and nothing left, where size or digest differ.
 
-        QuotaUsedUp or FolderFull, before the first byte, where the caller or all would have too much; TooMany
-        or Overloaded where it sends, or all send, too many at once.
-        """
+        QuotaUsedUp or FolderFull, before the first byte, where the caller or all would have too much;
+        RateLimited or Overloaded where it sends, or all send, too many at once."""
         async with self._access.recorded(f"upload {sha256[: limits.RECORDED_CHARACTERS]}"):
             CALLER.get().need("submit")
             raise_if(digest_problems(sha256, "sha256"))
@@ -79,7 +78,9 @@ class Assets:
         if self._running.total() >= limits.UPLOADS_AT_ONCE:
             raise Overloaded(f"{limits.UPLOADS_AT_ONCE} files are being uploaded; try again in a moment.")
         if owner and self._running[owner] >= limits.UPLOADS_OF_OWNER:
-            raise TooMany(f"{self._running[owner]} files of {owner} are being uploaded; send fewer at once")
+            raise RateLimited(
+                f"{self._running[owner]} files of {owner} are being uploaded; send fewer at once"
+            )
         self._running[owner] += 1
         try:
             async with self._charged(owner, sha256, size_bytes):

@@ -27,7 +27,7 @@ class FilmPart:
 
 
 def names_of(schedule: job_pb2.RangeSchedule) -> list[str]:
-    """Of what pixels hold: X, Y, Z and the sensor's further responses."""
+    """Names of a pixel's values: X, Y, Z and the sensor's further responses."""
     return ["X", "Y", "Z", *schedule.further_responses]
 
 

@@ -60,7 +60,7 @@ class _Threads:
 
 
 class FolderAccess:
-    """A data folder whose database some threads read, beside each other, and one writes.
+    """A data folder whose database some threads read at once, and one writes.
 
     Compiling and file reads run elsewhere, never in front of them.
     """
@@ -124,7 +124,7 @@ class FolderAccess:
         await self._keep(record, what, request_id, "done")
 
     async def _keep(self, record: Record, what: str, request_id: str, outcome: str) -> None:
-        """Not having the line is no reason to fail a call that did what it was to do."""
+        """Not having the line is no reason to fail a call that has done its work."""
         who = CALLER.get().name
         try:
             await self.writing(

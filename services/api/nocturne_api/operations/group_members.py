@@ -33,7 +33,7 @@ class Member:
     changes: Mapping[str, Any]
 
     def request(self, asked: CreateRenderRequest) -> CreateRenderRequest:
-        """What it asks for. Raises InputError for a place that the scene does not have."""
+        """Its request. Raises InputError for a place that the scene does not have."""
         scene = changed(asked.scene, self.changes) if self.changes else asked.scene
         name = f"{asked.name} {self.name}".strip() if self.name else asked.name
         return asked.model_copy(update={"request_id": self.request_id, "name": name, "scene": scene})

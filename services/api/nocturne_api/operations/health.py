@@ -8,7 +8,7 @@ from prometheus_client import CollectorRegistry, generate_latest
 from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, Metric
 
 from nocturne_api.access import CALLER
-from nocturne_api.background.space import Space
+from nocturne_api.background.space import DiskQuota
 from nocturne_api.certificate import Certificate
 from nocturne_api.operations.folder_access import FolderAccess
 
@@ -92,7 +92,7 @@ class _Collector:
 
 
 def metrics_text(folder: DataFolder, space: Mapping[str, float], expires: float = 0.0) -> bytes:
-    """Prometheus' text format, version 0.0.4; `space`: by name, as in Space.figures. `expires`: the
+    """Prometheus' text format, version 0.0.4; `space`: by name, as in DiskQuota.figures. `expires`: the
     certificate."""
     registry = CollectorRegistry()
     registry.register(_Collector(folder, {**space, "certificate_expires": expires}))
@@ -102,7 +102,7 @@ def metrics_text(folder: DataFolder, space: Mapping[str, float], expires: float 
 class Health:
     """How the service is doing."""
 
-    def __init__(self, access: FolderAccess, space: Space) -> None:
+    def __init__(self, access: FolderAccess, space: DiskQuota) -> None:
         self._access = access
         self._space = space
         self.certificate: Certificate | None = None

@@ -16,6 +16,7 @@ from nocturne_scene.layers import Values as LayerValues
 from nocturne_scene.photometry import arriving_light, glare, isolines, measuring
 from nocturne_scene.photometry.outlines import Outline
 from nocturne_scene.photometry.places import Places
+from nocturne_scene.photometry.plain_values import MeasuredOutline, plain, plain_measurements
 from nocturne_scene.quantities import quantity_named
 from nocturne_scene.tile_sums import Values
 from nocturne_scene.uncertainty import ImageMoments
@@ -76,7 +77,7 @@ class Measurements:
             wanted = places.outlines()
         if not wanted:
             wanted = [("", Outline("rectangle", ((0.0, 0.0), (float(render.width), float(render.height)))))]
-        found, answers = [], []
+        found = []
         async with self._measuring:
             outdoor = await self._outdoor(render, places, channel)
             for name, outline in wanted:
@@ -86,20 +87,9 @@ class Measurements:
                 histogram = None
                 if request.bins:
                     histogram = await self._histogram(render, outline, measured, channel, request)
-                profile = ""
-                if measured.profile:
-                    profile = measuring.profile_as_csv(measured, channel.quantity, channel.unit)
-                found.append((name, outline, measured))
-                public = models.Outline.of(name, outline)
-                answers.append(
-                    models.Measurement.of(public, (measured, places), profile, histogram, colour, daylight)
-                )
-        return models.Measurements(
-            quantity=channel.quantity,
-            unit=channel.unit,
-            channel=request.channel,
-            measurements=answers,
-            csv=measuring.as_csv(found, channel.quantity, channel.unit),
+                found.append(MeasuredOutline(name, outline, measured, histogram, colour, daylight))
+        return models.Measurements.model_validate(
+            plain_measurements(found, places, request.channel, channel.quantity, channel.unit)
         )
 
     async def isolines(
@@ -150,7 +140,7 @@ class Measurements:
             image.add(part)
         quantity, emission = quantity_named(render.quantity), await self._emission(render.id)
         rate = partial(glare.glare_of, image.moments(), quantity, "panorama", view, emission=emission)
-        return models.Glare.of(await asyncio.to_thread(rate))
+        return models.Glare.model_validate(plain(await asyncio.to_thread(rate)))
 
     async def _emission(self, render_id: str) -> LayerValues | None:
         """The layer of that name; None where the render has none, or none yet."""
@@ -210,13 +200,13 @@ class Measurements:
         found: measuring.Measured,
         channel: _Channel,
         asked: models.MeasureRequest,
-    ) -> models.Histogram:
+    ) -> measuring.Histogram:
         low, high = measuring.histogram_range(found, asked.low, asked.high, asked.logarithmic)
         histogram = measuring.Histogram(low, high, asked.bins, asked.logarithmic)
         async for part in self._parts(render, _around(outline)):
             values = await asyncio.to_thread(_values, part, outline, channel.index)
             await asyncio.to_thread(histogram.add, values)
-        return models.Histogram.of(histogram)
+        return histogram
 
 
 class _Whole:

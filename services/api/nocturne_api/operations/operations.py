@@ -9,7 +9,7 @@ from nocturne_coordinator.store.quotas import NO_QUOTA, Quota
 from nocturne_api.access import Caller, caller_of
 from nocturne_api.background.archiver import Archiver
 from nocturne_api.background.layers_maker import LayersMaker
-from nocturne_api.background.space import Space, StorageLimits
+from nocturne_api.background.space import DiskQuota, StorageLimits
 from nocturne_api.background.sweeper import Sweeper
 from nocturne_api.compiling.pool import CompileLimits, prepare
 from nocturne_api.models.workers import CoreHourPrice
@@ -45,7 +45,7 @@ class Operations:
         objects = folder.object_store
         archiver = None if objects is None else Archiver(folder, access.writing, objects)
         sweeper = Sweeper(folder, storage.unused_seconds)
-        space = Space(folder.root, storage.data_bytes)
+        space = DiskQuota(folder.root, storage.data_bytes)
         layers_maker = LayersMaker(folder, access.writing, compile_limits, space)
         sender = WebhookSender(folder.webhooks, access.writing, webhook_rules)
         self._access = access

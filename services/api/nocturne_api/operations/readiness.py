@@ -1,4 +1,4 @@
-"""Whether the service does what it is for: reads, writes, takes renders, and has somebody who merges."""
+"""Whether the service works: reads, writes, takes renders, and has a coordinator that merges."""
 
 import asyncio
 import sqlite3
@@ -12,10 +12,11 @@ from nocturne_api.models.health import CHECKS, Check, CheckName
 from nocturne_api.models.health import Readiness as Found
 from nocturne_api.operations.folder_access import FolderAccess
 from nocturne_api.operations.renders import Renders
+from nocturne_api.operations.status_reason import coordinator_trouble
 
 
 class Readiness:
-    """What was found is kept for a moment: everybody may ask, as often as they like."""
+    """The answer is kept for a moment: everybody may ask, as often as they like."""
 
     def __init__(self, access: FolderAccess, renders: Renders) -> None:
         self._access = access
@@ -56,7 +57,7 @@ class Readiness:
         return ""
 
     async def _writing(self) -> str:
-        # In no thread of the database: those may be what does not answer.
+        # In no thread of the database: those may be the ones that don't answer.
         await asyncio.to_thread(self._access.folder.database.check_writing, limits.READY_WAIT_S)
         return ""
 
@@ -66,13 +67,4 @@ class Readiness:
 
     async def _merging(self) -> str:
         meters = await self._access.in_database(self._access.folder.meters.read)
-        silent = time.time() - meters.get("coordinator_seen", 0.0)
-        if "coordinator_seen" not in meters:
-            return "No coordinator works on the data folder."
-        if silent > limits.COORDINATOR_SILENT_S:
-            return f"The coordinator has written nothing for {silent:.0f} s."
-        if meters.get("folder_trouble"):
-            return "The coordinator can't write to the data folder; its log has the reason."
-        if not meters.get("redis_in_step"):
-            return "The coordinator can't reach Redis; its log has the reason."
-        return ""
+        return coordinator_trouble(meters, time.time(), limits.COORDINATOR_SILENT_S)

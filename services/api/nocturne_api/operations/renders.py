@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from functools import partial
 
-from nocturne_coordinator.errors import FilesGone
+from nocturne_coordinator.errors import BlobsMissing
 from nocturne_coordinator.limits import MAX_PAGE
 from nocturne_coordinator.store.groups import Groups as GroupRows
 from nocturne_coordinator.store.quotas import Quota, check_quota
@@ -18,11 +18,11 @@ from nocturne_scene.errors import NotFound
 from nocturne_api import limits
 from nocturne_api.access import CALLER
 from nocturne_api.background.layers_maker import LayersMaker
-from nocturne_api.background.space import Space
+from nocturne_api.background.space import DiskQuota
 from nocturne_api.background.sweeper import Sweeper
 from nocturne_api.compiling.pool import CompileLimits
 from nocturne_api.compiling.turns import CompileTurns
-from nocturne_api.errors import Overloaded, TooMany
+from nocturne_api.errors import Overloaded, RateLimited
 from nocturne_api.models.render_requests import CreateGroupRequest, CreateRenderRequest
 from nocturne_api.models.renders import (
     Baselines,
@@ -51,7 +51,7 @@ class Renders:
         access: FolderAccess,
         compile_limits: CompileLimits,
         sweeper: Sweeper,
-        space: Space,
+        space: DiskQuota,
         layers_maker: LayersMaker,
     ) -> None:
         self._access = access
@@ -66,9 +66,8 @@ class Renders:
         """Makes a render, or gives back the one made before with this request id.
 
         Raises InputError with every problem found, Conflict where the caller used the request id for another,
-        QuotaUsedUp or FolderFull where it or all would have too much, Overloaded or TooMany where too many
-        scenes wait to be compiled. A failed call leaves nothing behind.
-        """
+        QuotaUsedUp or FolderFull where it or all would have too much, Overloaded or RateLimited where too
+        many scenes wait to be compiled. A failed call leaves nothing behind."""
         [created] = await self._create(request)
         return created
 
@@ -196,7 +195,7 @@ class Renders:
             )
 
     def _check_quota(self, first: Member, renders: int, owner: str, quota: Quota) -> None:
-        """Before anything is compiled; who asks again gets what there is."""
+        """Before anything is compiled; a repeated request gets the existing renders."""
         if self._access.folder.renders.find_request(owner, first.request_id) is None:
             check_quota(self._access.folder.database, owner, quota, more_renders=renders)
 
@@ -212,7 +211,7 @@ class Renders:
                     asked = request, member, access.folder, owner, self._compile_limits
                     new.append(await until_abandoned(partial(compiled_member, *asked)))
             # Files that were deleted in between are made again, or found missing by the compiler.
-            with suppress(FilesGone):
+            with suppress(BlobsMissing):
                 return await access.writing(access.folder.renders.create_all, new, access.quota)
 
     @contextmanager
@@ -220,7 +219,7 @@ class Renders:
         owner = CALLER.get().name
         self.check_room()
         if owner and self._waiting[owner] >= limits.COMPILES_WAITING_OF_OWNER:
-            raise TooMany(
+            raise RateLimited(
                 f"{self._waiting[owner]} scenes of {owner} are being compiled; send them one by one"
             )
         self._waiting[owner] += 1

@@ -112,7 +112,7 @@ class Preflights:
     async def run(self, request: PreflightRequest) -> PreflightReport:
         """What a scene needs for a target error; takes minutes.
 
-        Raises InputError with every problem found, CantPreflight, and Overloaded while another one runs.
+        Raises InputError with every problem found, PreflightFailed, and Overloaded while another one runs.
         """
         CALLER.get().need("submit")
         if self._running.locked():

@@ -1,17 +1,19 @@
 """What a render waits for, in one sentence: the answer to "why does nothing happen?"."""
 
 import time
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from nocturne.v1 import job_pb2
+from nocturne_coordinator.dispatch.film_memory import max_numbers, numbers_of
 from nocturne_coordinator.dispatch.profiles import machines_by_profile
 from nocturne_coordinator.dispatch.records import RenderState, WorkerRow
 from nocturne_coordinator.enrolment import machine_of, reason_of
-from nocturne_coordinator.limits import MAX_RUNNING, MAX_RUNNING_SUMS, WORKER_SECONDS
+from nocturne_coordinator.limits import MAX_RUNNING, WORKER_SECONDS
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.groups import Groups
+from nocturne_coordinator.store.open_renders import find_render
 from nocturne_coordinator.store.rows import RenderRow
-from nocturne_scene.tile_sums import sums_per_pixel
 
 
 @dataclass(frozen=True)
@@ -26,11 +28,14 @@ class Situation:
     """Renders that run."""
     incompatible: dict[str, str]
     """Workers that get no jobs though they are not in quarantine, and why."""
+    is_large: bool = False
+    """Its film is larger than those that share the memory."""
     waits_for_group: bool = False
 
 
 def situation_of(folder: DataFolder, render_id: str) -> Situation:
     """What the data folder knows; raises NotFound."""
+    found = find_render(folder.database, render_id)
     return Situation(
         render=folder.renders.get(render_id),
         meters=folder.meters.read(),
@@ -38,6 +43,7 @@ def situation_of(folder: DataFolder, render_id: str) -> Situation:
         quarantined=folder.workers.in_quarantine(),
         running=folder.renders.count_running(),
         incompatible=folder.workers.incompatible(),
+        is_large=found is not None and numbers_of(found.schedule) > max_numbers(0),
         waits_for_group=Groups(folder.database).waits(render_id),
     )
 
@@ -54,17 +60,30 @@ def sentence(situation: Situation, now: float) -> str:
     return _trouble(situation, now) or _queued(situation) or _running(situation, now)
 
 
-def _trouble(situation: Situation, now: float) -> str:
-    """What stops every render."""
-    meters = situation.meters
-    if meters.get("coordinator_seen", 0.0) < now - WORKER_SECONDS:
-        return "No coordinator works on the data folder: start one, and look at the log of the last."
+def coordinator_trouble(meters: Mapping[str, float], now: float, max_silence: float) -> str:
+    """Why no result is merged, a sentence; empty: results are merged. `max_silence`: seconds for which a
+    coordinator may write nothing."""
+    if "coordinator_seen" not in meters:
+        return "No coordinator works on the data folder: start one."
+    silent = now - meters["coordinator_seen"]
+    if silent > max_silence:
+        return (
+            f"No coordinator works on the data folder: the last has written nothing for {silent:.0f} s. "
+            "Look at its log, and start one."
+        )
     if meters.get("folder_trouble"):
         return (
             "The coordinator can't write to the data folder, whose disk may be full; its log has the reason."
         )
     if not meters.get("redis_in_step"):
         return "The coordinator can't reach Redis; its log has the reason."
+    return ""
+
+
+def _trouble(situation: Situation, now: float) -> str:
+    """What stops every render."""
+    if trouble := coordinator_trouble(situation.meters, now, WORKER_SECONDS):
+        return trouble
     engines = {worker.engine for worker in situation.workers}
     quarantined = situation.quarantined
     able = [worker for worker in situation.workers if not reason_of(machine_of(worker.id), quarantined)]
@@ -99,8 +118,7 @@ def _queued(situation: Situation) -> str:
             f"It waits until one of {situation.running} running renders ends; then the owner with fewest at "
             "work goes first, with the highest of its priorities."
         )
-    render = situation.render
-    if situation.running and render.width * render.height * sums_per_pixel(0) > MAX_RUNNING_SUMS:
+    if situation.running and situation.is_large:
         return "Its film is so large that only one such render runs at a time: it waits for that to end."
     if situation.running:
         return "It waits for memory that running renders use, or is about to start."

@@ -46,7 +46,7 @@ _ROUTERS = (
 
 
 def described_app() -> FastAPI:
-    """All routes with what they say of themselves, over no operations yet."""
+    """All routes with their descriptions, over no operations yet."""
     app = DescribedApp(
         docs_url=None,
         redoc_url=None,

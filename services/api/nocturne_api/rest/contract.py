@@ -14,7 +14,16 @@ from nocturne_scene.errors import InputError
 from pydantic import BaseModel
 from pydantic.json_schema import JsonSchemaMode, models_json_schema
 
-from nocturne_api.errors import INTERNAL, TABLE, Forbidden, Kind, Refused, TooMany, TooSlow, Unauthenticated
+from nocturne_api.errors import (
+    INTERNAL,
+    TABLE,
+    Forbidden,
+    Kind,
+    RateLimited,
+    Refused,
+    RequestTimedOut,
+    Unauthenticated,
+)
 from nocturne_api.models.base import MODEL_KEY, RequestBody
 from nocturne_api.models.problems import ProblemDetails
 from nocturne_api.models.render_requests import StopRequest
@@ -33,7 +42,15 @@ PROBLEMS: dict[str, dict[str, Any]] = {}
 
 # Any call can end so: a value that is not valid, no right to make it, too many, too slow, or storage that is
 # away.
-_ALWAYS = (InputError, Unauthenticated, Forbidden, Refused, TooMany, TooSlow, ObjectStoreUnavailable)
+_ALWAYS = (
+    InputError,
+    Unauthenticated,
+    Forbidden,
+    Refused,
+    RateLimited,
+    RequestTimedOut,
+    ObjectStoreUnavailable,
+)
 
 
 def reference_to(model: type[BaseModel]) -> dict[str, str]:

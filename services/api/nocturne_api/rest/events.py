@@ -1,7 +1,7 @@
 """Changes as server-sent events: `event: render`, data a Render, id its sequence.
 
-What can refuse a stream stands in dependencies: they end before the first byte, so the answer has its status.
-"""
+Checks that can refuse a stream are dependencies: they end before the first byte, so the answer has its
+status."""
 
 from collections.abc import AsyncIterator
 from typing import Annotated

@@ -55,7 +55,7 @@ class Page:
         return _fresh(index)
 
     def _file(self, path: str) -> Path | None:
-        """The file of the folder at `path`; None for what is not there or would lead out of the folder."""
+        """The file of the folder at `path`; None for a file that is missing or outside of the folder."""
         if "\0" in path:
             return None
         file = (self._folder / path).resolve()

@@ -15,7 +15,7 @@ from starlette.responses import Response, StreamingResponse
 from nocturne_api import limits
 from nocturne_api.access import CALLER
 from nocturne_api.children.pools import picture_as_tiles
-from nocturne_api.errors import Overloaded, TooMany, TooSlow
+from nocturne_api.errors import Overloaded, RateLimited, RequestTimedOut
 from nocturne_api.files.tiles import MEDIA_TYPE
 from nocturne_api.limits import CHUNK_BYTES, PICTURE_BYTES
 from nocturne_api.places import to_the_end
@@ -78,17 +78,17 @@ async def _receive(request: Request, file: Path) -> None:
                         raise too_big
                     await to_the_end(out.write, piece)
     except TimeoutError:
-        raise TooSlow(f"the picture did not come within {limits.PICTURE_COMES_S:g} s") from None
+        raise RequestTimedOut(f"the picture did not come within {limits.PICTURE_COMES_S:g} s") from None
 
 
 @contextmanager
 def _coming() -> Iterator[None]:
-    """Bounds how many are on their way, before their first byte. Raises Overloaded, TooMany."""
+    """Bounds how many are being received, before their first byte. Raises Overloaded, RateLimited."""
     owner = CALLER.get().name
     if _on_their_way.total() >= limits.PICTURES_COMING:
         raise Overloaded(f"{limits.PICTURES_COMING} pictures are being sent; try again.")
     if owner and _on_their_way[owner] >= limits.PICTURES_OF_OWNER:
-        raise TooMany(f"{_on_their_way[owner]} pictures of {owner} are being sent; send fewer at once")
+        raise RateLimited(f"{_on_their_way[owner]} pictures of {owner} are being sent; send fewer at once")
     _on_their_way[owner] += 1
     try:
         yield

@@ -10,7 +10,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from nocturne_api import limits
-from nocturne_api.errors import Overloaded, TooSlow, failure_of
+from nocturne_api.errors import Overloaded, RequestTimedOut, failure_of
 from nocturne_api.limits import LINGER_S
 from nocturne_api.rest.problems import response_of
 
@@ -86,7 +86,9 @@ class BoundedProtocol(H11Protocol):
 
     def _head_is_late(self) -> None:
         seconds = limits.HEAD_SECONDS
-        self.refuse(TooSlow(f"the head of the request did not come in {seconds:g} s; send it at once"))
+        self.refuse(
+            RequestTimedOut(f"the head of the request did not come in {seconds:g} s; send it at once")
+        )
 
     def _check_body(self) -> None:
         """Cuts off a body that comes more slowly than it must; while we do not read, that is our doing."""
@@ -99,7 +101,7 @@ class BoundedProtocol(H11Protocol):
             return
         rate = limits.BODY_BYTES_PER_SECOND
         self.refuse(
-            TooSlow(f"the body of the request came with less than {rate:g} bytes a second; try again")
+            RequestTimedOut(f"the body of the request came with less than {rate:g} bytes a second; try again")
         )
 
     def _make_room(self) -> None:
@@ -151,7 +153,7 @@ class LeavingMiddleware:
             await self._app(scope, receive, send)
             return
         whole, left, answered = asyncio.Event(), asyncio.Event(), False
-        # Without a body the application may never ask for one; it is told of its end here.
+        # Without a body the application may never ask for one; its end is reported here.
         given = [] if _may_have_body(Headers(scope=scope)) else [{"type": "http.request", "body": b""}]
         if given:
             whole.set()
@@ -230,7 +232,7 @@ class LingeringMiddleware:
 
 
 def _has_body(headers: Headers) -> bool:
-    """Whether a body is on its way; one that waits for a "100 Continue" is not."""
+    """Whether a body is being received; one that waits for a "100 Continue" is not."""
     if "expect" in headers:
         return False
     return _may_have_body(headers)

@@ -13,7 +13,7 @@ from nocturne_scene.document.json_text import decode_json
 from nocturne_scene.errors import InputError
 from starlette.requests import ClientDisconnect
 
-from nocturne_api.errors import BrokenOff
+from nocturne_api.errors import ClientDisconnected
 from nocturne_api.models.base import RequestBody, validated
 from nocturne_api.operations.operations import Operations
 
@@ -31,18 +31,19 @@ Service = Annotated[Operations, Depends(_operations)]
 
 
 async def read_json(request: Request, model: type[_Model], limit_bytes: int) -> _Model:
-    """The body as `model`; InputError for what is too big, no JSON, too deep, or not of the model's form."""
+    """The body as `model`; InputError for a body that is too big, no JSON, too deep, or not of the model's
+    form."""
     return validated(model, await asyncio.to_thread(decode_json, await _read(request, limit_bytes)))
 
 
 async def pieces(request: Request) -> AsyncIterator[bytes]:
-    """The body as it comes; BrokenOff where the caller goes away before its end."""
+    """The body as it comes; ClientDisconnected where the caller goes away before its end."""
     try:
         async for piece in request.stream():
             yield piece
     except ClientDisconnect:
         _log.info("a request to %s was broken off by its caller", request.url.path[:100])
-        raise BrokenOff("the caller went away before the end of the request") from None
+        raise ClientDisconnected("the caller went away before the end of the request") from None
 
 
 async def _read(request: Request, limit_bytes: int) -> bytes:

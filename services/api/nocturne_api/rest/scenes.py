@@ -3,7 +3,7 @@
 from fastapi import APIRouter, Request
 from nocturne_coordinator.errors import QuotaUsedUp
 
-from nocturne_api.errors import CantPreflight, FolderFull, Overloaded
+from nocturne_api.errors import FolderFull, Overloaded, PreflightFailed
 from nocturne_api.limits import CREATE_BODY_BYTES
 from nocturne_api.models.scenes import ImportedScene, ImportRequest, PreflightReport, PreflightRequest
 from nocturne_api.rest.contract import body_of, errors
@@ -16,7 +16,7 @@ router = APIRouter(prefix="/v1")
     "/preflights",
     tags=["preflights"],
     openapi_extra=body_of(PreflightRequest),
-    responses=errors(CantPreflight, Overloaded),
+    responses=errors(PreflightFailed, Overloaded),
 )
 async def preflight(request: Request, operations: Service) -> PreflightReport:
     """What each part of a scene changes and costs, and the document that is enough. Takes minutes."""

@@ -15,7 +15,7 @@ router = APIRouter(prefix="/v1", tags=["session"])
 
 @router.get("/session")
 async def get_session() -> Session:
-    """Who the caller is, and what it may do; without authentication nobody, and everything."""
+    """The caller and its rights; without authentication nobody, with all rights."""
     return _caller()
 
 

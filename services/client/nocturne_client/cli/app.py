@@ -86,7 +86,7 @@ def main() -> None:
 
 
 def _missing_package(error: ModuleNotFoundError) -> NocturneClientError:
-    """Commands import what they need when they run: beside the client alone, the service's is missing."""
+    """Commands import their modules when they run: with the client alone, the service's are missing."""
     package = (error.name or "").partition(".")[0]
     extra = _EXTRAS.get(package, _SERVICE)
     return NocturneClientError(

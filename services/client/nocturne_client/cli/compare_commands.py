@@ -1,4 +1,4 @@
-"""Commands that set two images beside each other."""
+"""Commands that compare two images."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated

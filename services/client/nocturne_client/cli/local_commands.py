@@ -1,4 +1,4 @@
-"""Commands that work on this machine. They import what they need when they run: the others start fast."""
+"""Commands that work on this machine. They import their modules when they run: the others start fast."""
 
 import os
 from pathlib import Path

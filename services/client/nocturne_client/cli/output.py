@@ -18,7 +18,7 @@ from nocturne_client.errors import NocturneClientError
 from nocturne_client.models import Render
 from nocturne_client.transport import DEFAULT_URL
 
-# Of the columns beside the ids, with a word of each name: together they fit into 80 columns.
+# Of the columns other than ids, with a word of each name: together they fit into 80 columns.
 _OTHER_COLUMNS_WIDTH = 64
 
 Url = Annotated[
@@ -106,7 +106,7 @@ def _processor_time(progress: Progress, price: Usage | None) -> str:
 
 
 def money(amount: float, currency: str) -> str:
-    """What is below a hundredth is not said to be nothing."""
+    """With more digits where it is below a hundredth."""
     return f"{amount:,.2f} {currency}" if amount >= 0.01 or not amount else f"{amount:.2g} {currency}"
 
 
@@ -220,7 +220,7 @@ def _no_jobs(worker: Worker) -> str:
     """Why it gets none; empty: it gets them."""
     if worker.quarantine:
         return f"Quarantine: {worker.quarantine}"
-    drained = {"draining": "Draining: it finishes what it has.", "drained": "Drained: it has none."}
+    drained = {"draining": "Draining: it finishes its jobs.", "drained": "Drained: it has none."}
     return drained.get(worker.drain, worker.incompatible)
 
 

@@ -1,5 +1,5 @@
-"""Options of commands that take a scene: where it is, its film, how it is imported, and what people want
-beside the image or other than the scene has it."""
+"""Options of commands that take a scene: its file, its film, how it is imported, further channels, and
+changes of it."""
 
 import json
 import re
@@ -66,18 +66,18 @@ Settings = Annotated[
 _FRAMES = re.compile(r"(\d+)-(\d+)")
 _BANDS = re.compile(r"(\d+):(\d+):(\d+)")
 _OF_LIGHT = ("direct", "indirect")
-"""Channels of the sensor, both or none; the others are layers, which a pass of its own makes."""
+"""Channels of the sensor, both or none; the others are layers, which a separate pass makes."""
 _ALL = ("albedo", "normal", "depth", "position", "object", "material", "emission")
 
 
 def layer_names(text: str) -> tuple[str, ...]:
-    """What was typed of surfaces; whether there are such layers is checked where they are made."""
+    """The typed names of layers of surfaces; the compiler checks them."""
     names = tuple(name.strip() for name in text.split(",") if name.strip())
     return _ALL if names == ("all",) else tuple(name for name in names if name not in _OF_LIGHT)
 
 
 def changes_of(settings: Sequence[str] | None, bands: str, layers: str) -> dict[str, Any]:
-    """Changes of the document, by their places; NocturneClientError for what can't be understood."""
+    """Changes of the document, by their places; NocturneClientError for others."""
     wants_parts = any(name.strip() in _OF_LIGHT for name in layers.split(","))
     parts = {"sensor.light_parts": True} if wants_parts else {}
     return dict(parse_change(setting) for setting in settings or ()) | parse_bands(bands) | parts

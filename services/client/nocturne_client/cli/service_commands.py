@@ -210,7 +210,8 @@ def delete(
             if not yes:
                 typer.confirm(f"{about} Cancel and delete it?", abort=True, err=True)
             client.cancel(render.id)
-        # By its whole id: what was unique before a render is gone may be the beginning of another's after it.
+        # By its whole id: a prefix that was unique may be the beginning of another's id when the render is
+        # gone.
         client.delete(render.id)
 
 

@@ -49,7 +49,7 @@ _NAMES = {
 
 @dataclass(frozen=True)
 class Stops:
-    """What was typed; empty: not asked for."""
+    """The typed texts; empty: not asked for."""
 
     error: str = ""
     tile_error: str = ""
@@ -58,7 +58,7 @@ class Stops:
     until: str = ""
 
     def asked(self) -> dict[str, Any]:
-        """What the service takes; typer.BadParameter for what can't be understood."""
+        """The conditions as the service takes them; typer.BadParameter for other texts."""
         values: dict[str, Any] = {
             "relative_error": share(self.error, "--error"),
             "tile_relative_error": share(self.tile_error, "--tile-error"),

@@ -102,7 +102,7 @@ def submit(
     stop = Stops(error, tile_error, duration, cpu, until).asked()
     changes, variants = changes_of(sets, bands, layers), [parse_variants(each) for each in varied or ()]
     scenes, numbers = _scenes(scene), parse_frames(frames)
-    # Chosen here, so that it can be told if the answer does not come.
+    # Chosen here, so that it can be printed if the answer does not come.
     chosen = request_id or str(uuid.uuid4())
     if len(scenes) > 1 and not group:
         group = f"{scene.name} {hashlib.sha256(chosen.encode()).hexdigest()[:6]}"

@@ -36,7 +36,7 @@ def show_top(client: Client, once: bool) -> None:
 
 def _dashboard(client: Client) -> Group:
     now = time.time()
-    # What ended of late stands below what is open.
+    # Renders that ended of late stand below the open ones.
     renders = [
         each for each in client.list(_NEWEST) if not each.has_ended or now - each.created < _RECENTLY_S
     ]

@@ -1,4 +1,4 @@
-"""Addresses that a service tells how renders end."""
+"""Webhooks: addresses that a service notifies of ends of renders."""
 
 from dataclasses import asdict
 from typing import Annotated

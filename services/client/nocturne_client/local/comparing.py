@@ -13,7 +13,8 @@ from nocturne_scene.errors import InputError
 from nocturne_scene.uncertainty import read_region
 
 from nocturne_client.client import Client
-from nocturne_client.errors import NocturneClientError, Problem
+from nocturne_client.errors import NocturneClientError
+from nocturne_client.local.failures import client_errors
 from nocturne_client.models import Render
 
 
@@ -48,7 +49,7 @@ class Compared:
 
 def compare_files(comparison: Comparison, difference: Path | None) -> Compared:
     """Compare, and write a picture of the difference if asked to. Raises NocturneClientError."""
-    try:
+    with client_errors("the images can't be compared"):
         image, reference = read_picture(comparison.image), read_picture(comparison.reference)
         one, other, names = _estimates(comparison, image, reference)
         try:
@@ -57,9 +58,6 @@ def compare_files(comparison: Comparison, difference: Path | None) -> Compared:
             raise InputError.at(str(comparison.image), str(error)) from None
         if difference is not None:
             write_difference(difference, image.xyz[..., 1] * comparison.scale, reference.xyz[..., 1])
-    except InputError as error:
-        problems = [Problem(each.place, each.message) for each in error.problems]
-        raise NocturneClientError("the images can't be compared", problems=problems) from error
     return Compared(found, names, *_shift(image, reference))
 
 

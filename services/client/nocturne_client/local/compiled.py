@@ -11,14 +11,13 @@ from nocturne_scene.compile.layers import usual_layers
 from nocturne_scene.document.changes import changed
 from nocturne_scene.document.read import check_document
 from nocturne_scene.document.sensors import film_size
-from nocturne_scene.errors import InputError, NocturneError
 from nocturne_scene.film import Film
 from nocturne_scene.layers import known_layers
 from nocturne_scene.ranges import make_schedule
 from nocturne_scene.render_warnings import RenderWarning
 from nocturne_scene.scene_ranges import schedule_for_scene
 
-from nocturne_client.errors import NocturneClientError, Problem
+from nocturne_client.local.failures import client_errors
 from nocturne_client.scene_files import SceneOnDisk, read_scene
 
 _READ_BYTES = 1024 * 1024
@@ -39,7 +38,7 @@ class CompiledFolder:
     way: str = ""
     """How it is traced and why, where a pilot chose."""
     layers: Path | None = None
-    """What goes beside the image, where it has any layers."""
+    """The layers' file, where the image has any layers."""
 
     def said(self) -> list[str]:
         """How the scene is traced, where that was chosen, and a line for each warning."""
@@ -66,7 +65,7 @@ def compile_to(
     """
     on_disk = read_scene(scene)
     made = {**(changes or {}), **({} if seed is None else {"tracing.seed": seed})}
-    try:
+    with client_errors(f"{name or scene} can't be rendered"):
         # Problems of the film are reported before the work.
         make_schedule(width, height, samples)
         document = check_document(changed(on_disk.document, made))
@@ -85,13 +84,6 @@ def compile_to(
         compiled = CompiledFolder(*files, sha256, *said, of_film)
         compiled.scene.write_bytes(blobs.path(sha256).read_bytes())
         compiled.schedule.write_bytes(schedule.SerializeToString(deterministic=True))
-    except InputError as error:
-        problems = [Problem(each.place, each.message) for each in error.problems]
-        raise NocturneClientError(f"{name or scene} can't be rendered", problems=problems) from error
-    except NocturneError as error:
-        raise NocturneClientError(str(error)) from error
-    except OSError as error:
-        raise NocturneClientError(f"{error.filename or folder}: {error.strerror}") from error
     return compiled
 
 

@@ -5,13 +5,12 @@ from pathlib import Path
 
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.document.read import check_document
-from nocturne_scene.errors import InputError, NocturneError
 from nocturne_scene.film import Film
 from nocturne_scene.formats.export_scene import Exported, export_scene
 from nocturne_scene.ranges import make_schedule
 
-from nocturne_client.errors import NocturneClientError, Problem
 from nocturne_client.local.compiled import store_files
+from nocturne_client.local.failures import client_errors
 from nocturne_client.scene_files import read_scene
 
 
@@ -20,21 +19,13 @@ def export_to(
 ) -> Exported:
     """Write the scene for another renderer into `folder`. Raises NocturneClientError with all problems."""
     on_disk = read_scene(scene)
-    try:
+    with client_errors(f"{scene} can't be exported to {renderer}; with --allow-missing the rest is"):
         make_schedule(film.width, film.height, film.samples)
         document = check_document(on_disk.document)
         with tempfile.TemporaryDirectory(prefix="nocturne-export-") as kept:
             blobs = BlobStore(Path(kept), durable=False)
             store_files(on_disk, blobs)
             return export_scene(document, blobs, folder, renderer, film, allow_missing=allow_missing)
-    except InputError as error:
-        problems = [Problem(each.place, each.message) for each in error.problems]
-        said = f"{scene} can't be exported to {renderer}; with --allow-missing the rest is"
-        raise NocturneClientError(said, problems=problems) from error
-    except NocturneError as error:
-        raise NocturneClientError(str(error)) from error
-    except OSError as error:
-        raise NocturneClientError(f"{error.filename or folder}: {error.strerror}") from error
 
 
 def report(exported: Exported) -> list[str]:

@@ -25,7 +25,7 @@ RAY_FILE = ".tm25ray"
 
 @dataclass(frozen=True)
 class Goniometer:
-    """What is measured, and where the files go."""
+    """The measurement asked for, and its output files."""
 
     scene: Path
     """Or a ray file, of which the far field is taken."""

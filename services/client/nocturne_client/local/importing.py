@@ -10,7 +10,7 @@ from nocturne_scene.formats.import_scene import Incomplete, import_scene
 from nocturne_scene.formats.reading.options import Imported, ImportOptions
 
 from nocturne_client.console import ERRORS
-from nocturne_client.errors import NocturneClientError, Problem
+from nocturne_client.local.failures import client_errors
 from nocturne_client.scene_files import is_of_other_renderer
 
 
@@ -23,7 +23,7 @@ def options(
     time: float | None,
     allow_missing: bool,
 ) -> ImportOptions:
-    """What was asked for."""
+    """The options of an import."""
     return ImportOptions(root, parameters, light_radius, light_degrees, light, time, allow_missing)
 
 
@@ -32,10 +32,8 @@ def import_to(file: Path, folder: Path, options: ImportOptions, *, kept: bool = 
 
     `kept`: whether the folder stays for people to edit its contents.
     """
-    try:
-        return import_scene(file, folder, options)
-    except InputError as error:
-        problems = [Problem(each.place, each.message) for each in error.problems]
+
+    def refused(error: InputError) -> str:
         said = f"{file} can't be imported"
         if isinstance(error, Incomplete) and not kept:
             said += "; --allow-missing leaves out unsupported parts" if error.imported.missing else ""
@@ -43,9 +41,10 @@ def import_to(file: Path, folder: Path, options: ImportOptions, *, kept: bool = 
             said += f" as it is; {error.imported.document} holds the rest, to be edited"
             if error.imported.missing and not options.allow_missing:
                 said += " or, as with --allow-missing, to be rendered without what is missing"
-        raise NocturneClientError(said, problems=problems) from error
-    except OSError as error:
-        raise NocturneClientError(f"{error.filename or folder}: {error.strerror}") from error
+        return said
+
+    with client_errors(refused):
+        return import_scene(file, folder, options)
 
 
 @contextmanager

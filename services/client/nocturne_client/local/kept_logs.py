@@ -1,4 +1,4 @@
-"""Logs of `nocturne up`: those of the last starts are kept, and one that grows large is begun anew."""
+"""Logs of `nocturne up`: those of the last starts are kept, and one that grows large is replaced."""
 
 import shutil
 from pathlib import Path
@@ -9,7 +9,7 @@ MAX_BYTES = 64 * 2**20
 
 
 def begin(log: Path) -> None:
-    """Keeps what an earlier service wrote; what went wrong with that is asked after the next start."""
+    """Keeps the logs of earlier starts: people ask for their failures after the next start."""
     if log.exists() and log.stat().st_size:
         _make_way(log)
         log.replace(_kept(log, 1))

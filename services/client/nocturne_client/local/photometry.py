@@ -44,7 +44,7 @@ class MeterImage:
 
 
 def read_meter_image(image: Path) -> MeterImage:
-    """Reads an EXR. Raises NocturneClientError for what is none of an intensity meter."""
+    """Reads an EXR. Raises NocturneClientError for an image of another sensor than an intensity meter."""
     buffer = oiio.ImageBuf(str(image))
     spec = buffer.spec()
     scene, engine = (spec.getattribute(f"nocturne:{name}") for name in ("scene", "engine"))

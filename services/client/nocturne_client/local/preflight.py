@@ -5,26 +5,23 @@ from copy import deepcopy
 from pathlib import Path
 
 from nocturne_scene.blobs import BlobStore
-from nocturne_scene.errors import InputError, NocturneError
 from nocturne_scene.simplify.search import Preflight, Request, Say, run_preflight
 from nocturne_scene.simplify.simplification import Document, objects
 
-from nocturne_client.errors import NocturneClientError, Problem
+from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.compiled import store_files
+from nocturne_client.local.failures import client_errors
 from nocturne_client.scene_files import DIGEST_PREFIX, SceneOnDisk
 
 
 def preflight_of(request: Request, scene: SceneOnDisk, say: Say) -> Preflight:
     """Run the pilot. Raises NocturneClientError."""
-    try:
-        with tempfile.TemporaryDirectory(prefix="nocturne-preflight-") as folder:
-            store_files(scene, BlobStore(Path(folder) / "blobs", durable=False))
-            return run_preflight(request, scene.document, Path(folder), say)
-    except InputError as error:
-        problems = [Problem(each.place, each.message) for each in error.problems]
-        raise NocturneClientError("the scene can't be found", problems=problems) from error
-    except NocturneError as error:
-        raise NocturneClientError(str(error)) from error
+    with (
+        client_errors("the scene's needs can't be found"),
+        tempfile.TemporaryDirectory(prefix="nocturne-preflight-") as folder,
+    ):
+        store_files(scene, BlobStore(Path(folder) / "blobs", durable=False))
+        return run_preflight(request, scene.document, Path(folder), say)
 
 
 def taken(scene: SceneOnDisk, document: Document, file: Path) -> Document:

@@ -2,19 +2,18 @@
 
 from math import ceil
 from pathlib import Path
-from xml.sax.saxutils import escape
 
-import numpy as np
-from nocturne_scene.simplify.choosing import budgets, verdict
+from nocturne_scene.simplify.choosing import Model, budgets, verdict
 from nocturne_scene.simplify.pilot import RENDERS
 from nocturne_scene.simplify.search import Preflight
 from nocturne_scene.simplify.statistics import Interval
 from rich import markup
 from rich.table import Table
 
-# Told apart by people who do not see colours alike: Okabe and Ito, "Color Universal Design", 2008.
-_COLOURS = ("#000000", "#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
-_WIDTH, _HEIGHT, _LEFT, _RIGHT, _TOP, _BOTTOM = 860, 440, 70, 300, 40, 50
+from nocturne_client.local.chart import Line
+from nocturne_client.local.chart import write_chart as write_log_chart
+
+_MAX_CURVES = 7
 
 
 def table(found: Preflight) -> Table:
@@ -100,54 +99,14 @@ def write_chart(found: Preflight, name: str, file: Path) -> None:
     """Total error over processor time, SVG: the full model, the chosen one and the fastest of the others."""
     target, pixels = found.request.error, found.pixels
     others = sorted(found.models, key=lambda model: model.seconds_for(target, 1))
-    models = [found.full, *([found.chosen] if len(found.chosen.parts) > 1 else []), *others][: len(_COLOURS)]
+    models = [found.full, *([found.chosen] if len(found.chosen.parts) > 1 else []), *others][:_MAX_CURVES]
     times = list(budgets(models, target, pixels, 60))
-    # Far below the target nobody looks; noise may be nothing there.
-    curves = [[max(model.error_after(time, pixels), target / 16) for time in times] for model in models]
-    x = _Axis(times, _LEFT, _WIDTH - _RIGHT)
-    y = _Axis([target, *(error for curve in curves for error in curve)], _HEIGHT - _BOTTOM, _TOP)
-    parts = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {_WIDTH} {_HEIGHT}" font-family="sans-serif" '
-        'font-size="12">',
-        f'<rect width="{_WIDTH}" height="{_HEIGHT}" fill="white"/>',
-        _text(_LEFT, 22, f"{name}: bias and noise together"),
-        _text((_LEFT + _WIDTH - _RIGHT) / 2, _HEIGHT - 12, "processor time, s", "middle"),
-        _text(12, _TOP - 6, "relative error"),
-    ]
-    for tick in x.ticks():
-        parts.append(_line([(x.at(tick), _TOP), (x.at(tick), _HEIGHT - _BOTTOM)], "#ddd", 1))
-        parts.append(_text(x.at(tick), _HEIGHT - _BOTTOM + 18, f"{tick:g}", "middle"))
-    for tick in y.ticks():
-        parts.append(_line([(_LEFT, y.at(tick)), (_WIDTH - _RIGHT, y.at(tick))], "#ddd", 1))
-        parts.append(_text(_LEFT - 6, y.at(tick) + 4, f"{tick:g}", "end"))
-    parts.append(_line([(_LEFT, y.at(target)), (_WIDTH - _RIGHT, y.at(target))], "#888", 2))
-    for row, (model, curve, colour) in enumerate(zip(models, curves, _COLOURS, strict=False)):
-        parts.append(_line([(x.at(a), y.at(b)) for a, b in zip(times, curve, strict=True)], colour, 2))
-        parts.append(_text(_WIDTH - _RIGHT + 12, _TOP + 10 + 20 * row, model.name, colour=colour))
-    parts.append(_text(_WIDTH - _RIGHT + 12, _TOP + 10 + 20 * len(models), "the target", colour="#888"))
-    file.write_text("\n".join([*parts, "</svg>", ""]))
 
+    def curve(model: Model) -> Line:
+        # Far below the target nobody looks; noise may be nothing there.
+        points = [(time, max(model.error_after(time, pixels), target / 16)) for time in times]
+        return Line(model.name, points, is_curve=True)
 
-class _Axis:
-    """Logarithmic, between two places of the picture."""
-
-    def __init__(self, values: list[float], begin: float, end: float) -> None:
-        self._low, self._high = np.log10(min(values)), np.log10(max(values))
-        self._begin, self._end = begin, end
-
-    def at(self, value: float) -> float:
-        part = (np.log10(value) - self._low) / max(self._high - self._low, 1e-9)
-        return round(float(self._begin + part * (self._end - self._begin)), 1)
-
-    def ticks(self) -> list[float]:
-        """Powers of ten."""
-        return [10.0**power for power in range(ceil(self._low), int(np.floor(self._high)) + 1)]
-
-
-def _text(x: float, y: float, text: str, anchor: str = "start", colour: str = "black") -> str:
-    return f'<text x="{x}" y="{y}" text-anchor="{anchor}" fill="{colour}">{escape(text)}</text>'
-
-
-def _line(points: list[tuple[float, float]], colour: str, width: int) -> str:
-    places = " L".join(f"{x} {y}" for x, y in points)
-    return f'<path d="M{places}" fill="none" stroke="{colour}" stroke-width="{width}"/>'
+    lines = [Line("the target", [(times[0], target), (times[-1], target)], is_curve=True)]
+    lines += [curve(model) for model in models]
+    write_log_chart(file, f"{name}: bias and noise together", "processor time, s", "relative error", lines)

@@ -4,25 +4,20 @@ from pathlib import Path
 from typing import Any
 
 from nocturne_coordinator.store.restoring import Restored, restore
-from nocturne_scene.errors import NocturneError
 
-from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.data import default_data_folder
+from nocturne_client.local.failures import client_errors
 from nocturne_client.local.up import only_one_service
 
 
 def restore_folder(data: Path | None, source: Path | None) -> Restored:
     """NocturneClientError where that can't be done, or a service runs on the folder."""
     data = data or default_data_folder()
-    try:
+    with client_errors(f"{data} can't be restored"):
         if not data.is_dir():
             return restore(data, source)
         with only_one_service(data):
             return restore(data, source)
-    except NocturneError as error:
-        raise NocturneClientError(str(error)) from error
-    except OSError as error:
-        raise NocturneClientError(f"{error.filename}: {error.strerror}") from error
 
 
 def as_json(found: Restored) -> dict[str, Any]:

@@ -55,8 +55,8 @@ class UpSettings:
 
 
 def run_up(settings: UpSettings) -> None:
-    """Runs until SIGINT or SIGTERM, then stops all in order. SIGHUP begins logs anew and tells the children,
-    unless it says that the terminal is closed. NocturneClientError if it can't start."""
+    """Runs until SIGINT or SIGTERM, then stops all in order. SIGHUP replaces the logs and notifies the
+    children, unless it says that the terminal is closed. NocturneClientError if it can't start."""
     stop, reload = threading.Event(), threading.Event()
     has_terminal = os.isatty(0)
 
@@ -177,7 +177,7 @@ class _Stack:
                 ERRORS.print(f"{self._file} is out of date: {error}", markup=False, soft_wrap=True)
 
     def reload(self) -> None:
-        """Begins logs anew; API and coordinator look again at what they read at their start."""
+        """Replaces the logs; API and coordinator read again the files that they read at their start."""
         with suppress(OSError):
             for log in self._logs.glob("*.log"):
                 kept_logs.bound(log, 0)

@@ -31,7 +31,7 @@ EVERY = 8
 
 @dataclass(frozen=True)
 class Validation:
-    """Readings, and what they were made by."""
+    """Readings, and the engine and machine that made them."""
 
     readings: tuple[Reading, ...]
     engine: int
@@ -87,7 +87,7 @@ def validate(
 
 def _read(program: Path, suite: str, scene: Scene, seed: int) -> list[Reading]:
     """Traced with independent samples: Sobol's are more even than their errors say, which hides faults. Each
-    scene has random numbers of its own, or deviations would be alike."""
+    scene has its own random numbers, or deviations would be alike."""
     own = int.from_bytes(sha256(f"{seed} {suite} {scene.values[0].name}".encode()).digest()[:8], "big")
     tracing = {**scene.document.get("tracing", {}), "sequence": "independent", "seed": own}
     with tempfile.TemporaryDirectory(prefix="nocturne-") as name:

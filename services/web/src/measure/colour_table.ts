@@ -1,5 +1,5 @@
-/** What is told of a part beside its values: daylight factor, and the colour of its light. */
-import { element } from "../dom.ts";
+/** Table of a measured part: daylight factor, places, and the colour of its light. */
+import { table, tableRow } from "../dom.ts";
 import { formatValue } from "../format.ts";
 import { capital } from "../image/look.ts";
 import type { Measurement } from "../service/types.ts";
@@ -18,8 +18,7 @@ export function tellsOf({ colour, daylight_factor: daylight, minimum, maximum }:
     rows.unshift(row("Darkest at", placeText(minimum.place)), row("Brightest at", placeText(maximum.place)));
   }
   if (rows.length === 0) return [];
-  const caption = element("caption", {}, "Of the light that arrives; after ±: one standard error");
-  return [element("table", {}, caption, element("tbody", {}, ...rows))];
+  return [table([], rows, "Of the light that arrives; after ±: one standard error")];
 }
 
 /** x, y, z in metres, to the millimetre. */
@@ -28,7 +27,7 @@ function placeText(place: readonly number[]): string {
 }
 
 function row(name: string, value: string): HTMLElement {
-  return element("tr", {}, element("th", { scope: "row" }, name), element("td", {}, value.trim()));
+  return tableRow(name, [value.trim()]);
 }
 
 function withError(value: number, error: number | null): string {

@@ -7,8 +7,7 @@ import type { RenderImage } from "../viewer/render_image.ts";
 import { chartOf } from "./charts.ts";
 import { tellsOf } from "./colour_table.ts";
 import { isolineControls, outlineForm } from "./forms.ts";
-import { glareMarks } from "./glare_marks.ts";
-import { glareText, hasGlare } from "./glare_text.ts";
+import { glareMarks, glareText, hasGlare } from "./glare.ts";
 import { isWhole } from "./outlines.ts";
 import { quantityText, tableOf } from "./table.ts";
 

@@ -1,5 +1,5 @@
 /** Measured parts as a table: extremes, mean and uniformity with their standard errors. */
-import { element } from "../dom.ts";
+import { element, table, tableRow } from "../dom.ts";
 import { formatValue, shownUnit } from "../format.ts";
 import { capital } from "../image/look.ts";
 import type { Measurement, Measurements } from "../service/types.ts";
@@ -19,10 +19,8 @@ export function quantityText({ quantity, unit }: Measurements): string {
 }
 
 export function tableOf(found: Measurements, choices: Choices): HTMLElement {
-  const caption = element("caption", {}, `${quantityText(found)}; after ±: one standard error`);
   const headings = ["Part", "Min", "Mean", "Max", "U0", "Ud", ...(choices.onRemove ? [""] : [])];
-  const head = element("tr", {}, ...headings.map((text) => (text ? element("th", { scope: "col" }, text) : element("td"))));
-  return element("table", {}, caption, element("thead", {}, head), element("tbody", {}, ...found.measurements.map((each, index) => row(each, index, choices))));
+  return table(headings, found.measurements.map((each, index) => row(each, index, choices)), `${quantityText(found)}; after ±: one standard error`);
 }
 
 export function nameOf({ outline }: Measurement): string {
@@ -41,7 +39,7 @@ function row(measured: Measurement, index: number, { chosen, onChoose, onRemove 
     valueText(u0, u0Error, 3),
     valueText(ud, udError, 3),
   ];
-  const node = element("tr", {}, element("th", { scope: "row" }, element("label", {}, radio, nameOf(measured))), ...cells.map((text) => element("td", {}, text)));
+  const node = tableRow(element("label", {}, radio, nameOf(measured)), cells);
   if (onRemove) {
     const remove = element("button", { type: "button", class: "quiet", "aria-label": `Remove ${nameOf(measured)}`, title: "Remove" }, "×");
     remove.addEventListener("click", () => { onRemove(index); });

@@ -1,16 +1,14 @@
 /** What a scene needs: the service's report as a table, and the scene that is enough. */
-import { element, scroller } from "../dom.ts";
+import { element, scroller, table, tableRow } from "../dom.ts";
 import { formatDuration } from "../format.ts";
 import type { Interval, PreflightReport, PreflightModel } from "../service/types.ts";
 
 /** The table, and a button that takes the simpler scene where there is one. */
 export function preflightResult(preflight: PreflightReport, onTake: () => void): HTMLElement[] {
   const heads = ["Without", "Mean luminance", "Relative RMSE", "Time per sample", "Verdict", "Time to the target"];
-  const row = (cells: string[], tag: "td" | "th"): HTMLElement => element("tr", {}, ...cells.map((cell) => element(tag, {}, cell)));
-  const rows = preflight.models.map((model) => row(cellsOf(model), "td"));
-  const table = element("table", {}, element("thead", {}, row(heads, "th")), element("tbody", {}, ...rows));
+  const rows = preflight.models.map((model) => tableRow(model.without.join(", "), cellsOf(model)));
   const report = scroller("preflight", "Table of what was tried");
-  report.append(table);
+  report.append(table(heads, rows));
   const nodes: HTMLElement[] = [element("p", {}, sentence(preflight)), report];
   if (preflight.chosen.without.length > 0) {
     const take = element("button", { type: "button" }, "Take the simpler scene");
@@ -20,7 +18,7 @@ export function preflightResult(preflight: PreflightReport, onTake: () => void):
   return nodes;
 }
 
-/** What follows, for people. */
+/** The conclusion, for people. */
 export function sentence(preflight: PreflightReport): string {
   if (preflight.pilot.heavy_tails) return "Rare samples carry the noise, so nothing here is to be trusted, and nothing is chosen.";
   const target = `${Number((100 * preflight.error).toPrecision(3))} %`;
@@ -32,7 +30,7 @@ export function sentence(preflight: PreflightReport): string {
 
 function cellsOf(model: PreflightModel): string[] {
   const time = model.cpu_seconds === null ? "–" : formatDuration(model.cpu_seconds);
-  return [model.without.join(", "), signed(model.mean_bias), between(model.local_bias), percent(model.cost_ratio.value, 0), model.verdict, time];
+  return [signed(model.mean_bias), between(model.local_bias), percent(model.cost_ratio.value, 0), model.verdict, time];
 }
 
 const percent = (value: number, digits = 2): string => `${(100 * value).toFixed(digits)} %`;

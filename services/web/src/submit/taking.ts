@@ -34,7 +34,7 @@ export function takes(panel: Panel): (files: Promise<Files>) => Promise<void> {
   };
 }
 
-/** What has no equal is shown, with a way to go on without it. */
+/** Shows the parts that are not supported, and lets people go on without them. */
 async function bring(panel: Panel, files: Files, allowMissing: boolean): Promise<void> {
   try {
     const scene = await imported(files, allowMissing, panel.say);

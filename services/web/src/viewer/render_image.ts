@@ -6,7 +6,7 @@ import { type Measured, measured } from "../image/look.ts";
 import { ImageSource } from "../image/image_source.ts";
 import { readRegion, tilesAddress } from "../service/client.ts";
 import { hasEnded, type Outline, type RegionReading, type Render } from "../service/types.ts";
-import { samplesText } from "../views/progress_bar.ts";
+import { samplesText } from "../views/render_parts.ts";
 import { recall, rememberer } from "./address.ts";
 import { controls } from "./controls.ts";
 import { type GestureListener, listenToGestures } from "./gestures.ts";

@@ -1,7 +1,7 @@
 /** Two images of one size: a render beside another, or beside an EXR from disk. */
 import { ConvergenceChart } from "../convergence/chart.ts";
 import { together, usable } from "../convergence/points.ts";
-import { element, setText } from "../dom.ts";
+import { element, section, setText } from "../dom.ts";
 import type { TiledImage } from "../image/tiled_image.ts";
 import { ImageSource } from "../image/image_source.ts";
 import { compareRoute, renderRoute } from "../router.ts";
@@ -144,7 +144,7 @@ function curves(first: string, second: string | undefined, renders: Renders): { 
   };
   const timer = setInterval(() => void draw().catch(() => undefined), 3000);
   draw().catch(() => undefined);
-  const node = element("section", { "aria-labelledby": "curves-title" }, element("h2", { id: "curves-title" }, "Convergence of both"), element("figure", { "aria-label": "Relative error over samples per pixel" }, plot));
+  const node = section("curves", "Convergence of both", element("figure", { "aria-label": "Relative error over samples per pixel" }, plot));
   return {
     node,
     close: () => {

@@ -5,8 +5,7 @@ import { groupRoute, renderRoute } from "../router.ts";
 import { serviceNow } from "../service/clock.ts";
 import { costOf } from "../service/price.ts";
 import { hasEnded, type Render } from "../service/types.ts";
-import { progressBar } from "./progress_bar.ts";
-import { stateBadge } from "./state_badge.ts";
+import { progressBar, stateBadge } from "./render_parts.ts";
 import { thumbnail } from "./thumbnail.ts";
 
 export interface ListItem {

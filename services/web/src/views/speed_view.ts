@@ -2,7 +2,7 @@
 import type uPlot from "uplot";
 import benches from "../../../../bench/results/speed-summary.json";
 import { logarithmicScale } from "../convergence/ticks.ts";
-import { element } from "../dom.ts";
+import { element, section, table, tableRow } from "../dom.ts";
 import { formatDuration, formatRelativeError } from "../format.ts";
 import { type Drawing, Plot, type Style } from "../plot.ts";
 import { renderRoute } from "../router.ts";
@@ -48,9 +48,9 @@ export function speedView(renders: Renders): View {
     "div",
     {},
     element("h1", { tabindex: "-1" }, "Speed against accuracy"),
-    element("section", { "aria-labelledby": "points-title" }, element("h2", { id: "points-title" }, "Renders of this service"), element("p", { class: "note" }, about), container, table),
-    element("section", { "aria-labelledby": "peers-title" }, element("h2", { id: "peers-title" }, "Beside Mitsuba 3"), peers()),
-    element("section", { "aria-labelledby": "ways-title" }, element("h2", { id: "ways-title" }, "Ways to trace"), ways()),
+    section("points", "Renders of this service", element("p", { class: "note" }, about), container, table),
+    section("peers", "Compared with Mitsuba 3", peers()),
+    section("ways", "Methods of tracing", ways()),
   );
   // After the node has its width.
   requestAnimationFrame(draw);
@@ -135,7 +135,6 @@ const isDecade = (value: number): boolean => Math.abs(Math.log10(value) - Math.r
 /** Efficiency: 1 / (error² × time), which does not change while a render goes on as 1/√N. */
 function tableOf(renders: Render[], chosen: readonly Render[], choose: (ids: string[]) => void): HTMLElement {
   if (renders.length === 0) return element("p", { class: "muted" }, "No render has an error yet.");
-  const head = element("tr", {}, ...["Render", "CPU time", "Relative error", "1 / (error² × s)"].map((text) => element("th", { scope: "col" }, text)));
   const shown = chosen.map(({ id }) => id);
   const rows = renders.map(({ id, name, progress }) => {
     const efficiency = 1 / (progress.relative_error ** 2 * progress.cpu_seconds);
@@ -143,15 +142,15 @@ function tableOf(renders: Render[], chosen: readonly Render[], choose: (ids: str
     const box = element("input", { type: "checkbox", "aria-label": `Show ${name || id} (${id}) in the chart` });
     box.checked = shown.includes(id);
     box.addEventListener("change", () => { choose(box.checked ? [...shown, id] : shown.filter((each) => each !== id)); });
-    return element("tr", {}, element("th", { scope: "row" }, box, " ", element("a", { href: renderRoute(id) }, name || id)), ...cells.map((text) => element("td", {}, text)));
+    return tableRow([box, " ", element("a", { href: renderRoute(id) }, name || id)], cells);
   });
-  return element("table", {}, element("thead", {}, head), element("tbody", {}, ...rows));
+  return table(["Render", "CPU time", "Relative error", "1 / (error² × s)"], rows);
 }
 
 function peers(): HTMLElement {
   const rows = summary.flatMap(({ scene, beside_peer }) => (beside_peer === null ? [] : [{ name: scene, value: beside_peer, others: [] }]));
   const caption = "Squared error of Nocturne as it comes, over that of Mitsuba's best variant in the same processor time; left of the line Nocturne has less. One run of small films on one machine: a factor of 1.5 may be chance. Scenes that Mitsuba can't show are left out.";
-  return dotTable({ caption, columns: ["Scene", "Error beside Mitsuba's", "Times"], rows, line: 1, format: (value) => `${Number(value.toPrecision(2))}` });
+  return dotTable({ caption, columns: ["Scene", "Error over Mitsuba's", "Times"], rows, line: 1, format: (value) => `${Number(value.toPrecision(2))}` });
 }
 
 function ways(): HTMLElement {

@@ -6,9 +6,7 @@ import { hasEnded, hasImage, type Render } from "../service/types.ts";
 import { cancelButton, deleteButton } from "./ask_button.ts";
 import { controlBar } from "./control_bar.ts";
 import { factsList } from "./facts.ts";
-import { idLine } from "./id_line.ts";
-import { progressBar } from "./progress_bar.ts";
-import { stateBadge } from "./state_badge.ts";
+import { idLine, progressBar, stateBadge } from "./render_parts.ts";
 
 export function summaryPanel(id: string, renders: Renders): { heading: HTMLElement; node: HTMLElement; show: (render: Render) => void } {
   const name = element("span", {}, "Render");

@@ -1,5 +1,5 @@
 /** Table of the workers, updated every two seconds, and the tiles of a render that each is tracing. */
-import { announce, element, scroller } from "../dom.ts";
+import { announce, element, scroller, section, table } from "../dom.ts";
 import { formatCount, formatDuration } from "../format.ts";
 import { renderRoute } from "../router.ts";
 import { getTilesInProgress, changeWorker, listWork, listWorkers } from "../service/client.ts";
@@ -17,7 +17,7 @@ interface Watched {
 
 export function workersSection(watched?: Watched): { node: HTMLElement; close: () => void } {
   const content = scroller("workers", "Table of workers");
-  const node = element("section", { "aria-labelledby": "workers-title" }, element("h2", { id: "workers-title" }, "Workers"), content);
+  const node = section("workers", "Workers", content);
   const numbers = new Map<string, number>();
   const numberOf = (worker: string): number => {
     const known = numbers.get(worker) ?? numbers.size + 1;
@@ -32,7 +32,7 @@ export function workersSection(watched?: Watched): { node: HTMLElement; close: (
       for (const { id } of workers.toSorted((a, b) => a.id.localeCompare(b.id))) numberOf(id);
       watched?.onTilesInProgress(new Map(inProgress.map(({ tile, worker }) => [tile, numberOf(worker)])));
       const tiles = (worker: string): string => `${inProgress.filter((each) => each.worker === worker).length}`;
-      replace(content, workers.length > 0 ? table(workers, work, watched && tiles) : noWorkers());
+      replace(content, workers.length > 0 ? workersTable(workers, work, watched && tiles) : noWorkers());
     } catch {
       // The bar says that the service is out of reach, or the render that there is none.
     }
@@ -49,16 +49,11 @@ function replace(content: HTMLElement, child: HTMLElement): void {
   if (focused) content.querySelector<HTMLElement>(`[aria-label="${CSS.escape(focused)}"]`)?.focus();
 }
 
-function table(workers: Worker[], work: WorkOfWorker[], tiles: ((worker: string) => string) | undefined): HTMLElement {
+function workersTable(workers: Worker[], work: WorkOfWorker[], tiles: ((worker: string) => string) | undefined): HTMLElement {
   // Beside an image there is little room.
   const headings = ["Worker", "Traces", ...(tiles ? ["Rays/s", "Jobs", "Tiles"] : ["Threads", "Rays/s", "Jobs done"])];
   const rows = workers.toSorted((a, b) => a.id.localeCompare(b.id)).map((worker) => row(worker, work.filter((each) => each.worker === worker.id), tiles ? [tiles(worker.id)] : []));
-  return element(
-    "table",
-    {},
-    element("thead", {}, element("tr", {}, ...headings.map((text) => element("th", { scope: "col" }, text)))),
-    element("tbody", {}, ...rows),
-  );
+  return table(headings, rows);
 }
 
 function row(worker: Worker, work: WorkOfWorker[], more: string[]): HTMLElement {

@@ -1,6 +1,6 @@
 /** All workers: now, over the last two days, and the worker events. */
 import type uPlot from "uplot";
-import { element, scroller } from "../dom.ts";
+import { element, scroller, section, table, tableRow } from "../dom.ts";
 import { formatCount } from "../format.ts";
 import { type Drawing, Plot, type Style } from "../plot.ts";
 import { getWorkerHistory } from "../service/client.ts";
@@ -26,8 +26,8 @@ export function workersView(): View {
     element("h1", { tabindex: "-1" }, "Workers"),
     workers.node,
     usage.node,
-    element("section", { "aria-labelledby": "night-title" }, element("h2", { id: "night-title" }, "The last two days"), chart, caption),
-    element("section", { "aria-labelledby": "events-title" }, element("h2", { id: "events-title" }, "Worker events"), events),
+    section("night", "The last two days", chart, caption),
+    section("events", "Worker events", events),
   );
   const plot = new Plot(chart);
   const poll = async (): Promise<void> => {
@@ -80,16 +80,10 @@ function efficiencyText({ rates: points }: WorkerHistory): string {
 }
 
 function eventsTable({ events }: WorkerHistory): HTMLElement {
-  const rows = events.map(({ unix_time, worker_id, what, reason }) =>
-    element(
-      "tr",
-      {},
-      element("th", { scope: "row" }, new Date(1000 * unix_time).toLocaleString()),
-      element("td", {}, worker_id),
-      element("td", { title: reason }, reason ? `${what}: ${reason}` : what),
-    ),
-  );
-  if (rows.length === 0) return element("p", { class: "muted" }, "Nothing happened yet.");
-  const head = element("tr", {}, ...["When", "Worker", "What"].map((text) => element("th", { scope: "col" }, text)));
-  return element("table", {}, element("thead", {}, head), element("tbody", {}, ...rows));
+  if (events.length === 0) return element("p", { class: "muted" }, "Nothing happened yet.");
+  const rows = events.map(({ unix_time, worker_id, what, reason }) => {
+    const text = element("span", { title: reason }, reason ? `${what}: ${reason}` : what);
+    return tableRow(new Date(1000 * unix_time).toLocaleString(), [worker_id, text]);
+  });
+  return table(["When", "Worker", "What"], rows);
 }

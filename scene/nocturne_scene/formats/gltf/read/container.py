@@ -240,4 +240,4 @@ def unused_extensions(entry: Json, known: tuple[str, ...], findings: Findings, p
     """Report extensions of an object that have no counterpart."""
     for name in value(entry, "extensions", {}):
         if name not in known:
-            findings.lost(place, f"no equal of the extension {name}")
+            findings.lost(place, f"no support for the extension {name}")

@@ -60,7 +60,7 @@ def emission(
         if use != workflow.base_use:
             pictures.findings.lost(
                 container.at(place),
-                "no equal of emission and opacity by textures in different places; what is cut out shines",
+                "no support for emission and opacity by textures in different places; what is cut out shines",
             )
             return {**pictures.whole(use, reference, "sRGB", place), "spectrum": radiance}
         rows, columns = (max(shown.shape[axis], stored.shape[axis]) for axis in (0, 1))

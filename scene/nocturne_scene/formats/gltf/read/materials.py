@@ -98,7 +98,7 @@ class Materials:
         rest: Json = {}
         if "normalTexture" in entry:
             if number(self.container, entry["normalTexture"], "scale", 1.0, place) != 1.0:
-                self.findings.lost(shown, "no equal of a normal map's scale")
+                self.findings.lost(shown, "no support for a normal map's scale")
             use = self.pictures.use(entry["normalTexture"], frame, place)
             rest["normal_map"] = self.pictures.whole(use, entry["normalTexture"], "linear", place)
         if "occlusionTexture" in entry:
@@ -224,7 +224,7 @@ class Materials:
             if not isinstance(rough, float) and (use != own or rough.shape != strength.shape):
                 self.findings.lost(
                     self.container.at(place),
-                    "no equal of roughness and brush by textures in different places; the brush is even",
+                    "no support for roughness and brush by textures in different places; the brush is even",
                 )
                 turns, strength = float(turns.flat[0]), float(strength.mean())
         alpha = workflow.rough**2
@@ -260,7 +260,7 @@ class Materials:
         if "clearcoatNormalTexture" in entry:
             self.findings.lost(
                 self.container.at(place),
-                "no equal of a clear coat's own normals; it has those of what is below",
+                "no support for a clear coat's own normals; it has those of what is below",
             )
         rough = number(self.container, entry, "clearcoatRoughnessFactor", 0.0, place)
         return {
@@ -304,7 +304,7 @@ class Materials:
             if tint != [1.0, 1.0, 1.0]:
                 glass["transmittance"] = colours.reflectance(tint)
             if rough > 0:
-                self.findings.lost(self.container.at(place), "no equal of a thin sheet that is rough")
+                self.findings.lost(self.container.at(place), "no support for a thin sheet that is rough")
         if weight == 0.0:
             return opaque
         return (

@@ -41,7 +41,8 @@ class Pictures:
         if matrix is None:
             self.findings.lost(
                 self.container.at(place),
-                "no equal of textures on one material with coordinates of several sets, or turned otherwise",
+                "no support for textures on one material with coordinates of several sets, or turned "
+                "otherwise",
             )
             matrix = np.eye(3)
         matrix = np.diag([1 / (1 + each) for each in mirrored] + [1.0]) @ matrix
@@ -108,7 +109,7 @@ class Pictures:
         if not set(modes) <= {_REPEAT, _MIRROR}:
             self.findings.lost(
                 self.container.at(place),
-                "no equal of a texture that is held at its edges in one direction only; repeated in both",
+                "no support for a texture that is held at its edges in one direction only; repeated in both",
             )
         return "repeat", (modes[0] == _MIRROR, modes[1] == _MIRROR)
 

@@ -75,7 +75,9 @@ def poses_at(container: Container, findings: Findings, time: float | None) -> Po
         target = value(channel, "target", {})
         node, path = value(target, "node", None), value(target, "path", "")
         if path not in _PATHS or not isinstance(node, int):
-            findings.lost(container.at(place), f'an animated "{str(path)[:40]}" stays as at rest: no equal')
+            findings.lost(
+                container.at(place), f'an animated "{str(path)[:40]}" stays as at rest: it is not supported'
+            )
             continue
         samplers = value(animation, "samplers", [])
         at = value(channel, "sampler", None)

@@ -58,7 +58,7 @@ def read_primitive(
     shown = container.at(place)
     mode = value(primitive, "mode", _TRIANGLES)
     if mode in _POINTS_AND_LINES:
-        findings.lost(shown, "points and lines have no surface, so no equal; left out")
+        findings.lost(shown, "points and lines have no surface, so they are not supported; left out")
         return None
     attributes = value(primitive, "attributes", {})
     for name in value(primitive, "extensions", {}):
@@ -67,12 +67,12 @@ def read_primitive(
             stored = container.item("accessors", value(attributes, "POSITION", None), place)
             if "bufferView" in stored:
                 continue
-            raise InputError.at(shown, f"no equal: it {_COMPRESSED[name]}; decompress the file first")
+            raise InputError.at(shown, f"not supported: it {_COMPRESSED[name]}; decompress the file first")
         if name == draco.NAME:
             primitive, mode = draco.decompress(container, primitive, place), _TRIANGLES
             continue
         if name not in _HARMLESS:
-            findings.lost(shown, f"no equal of the extension {name}")
+            findings.lost(shown, f"no support for the extension {name}")
     points = container.numbers(value(attributes, "POSITION", None), place, "VEC3")
     normals = container.numbers(attributes["NORMAL"], place, "VEC3") if "NORMAL" in attributes else None
     uv = _coordinates(container, attributes, *coordinates, place)
@@ -161,7 +161,7 @@ def _morphed(
             normals = normals + weight * container.numbers(target["NORMAL"], place, "VEC3")
         for name in target:
             if name not in ("POSITION", "NORMAL", "TANGENT"):
-                findings.lost(container.at(place), f"no equal of a morph target's {name}")
+                findings.lost(container.at(place), f"no support for a morph target's {name}")
     return points, normals
 
 

@@ -192,7 +192,7 @@ class _Reader:
         if self.materials.is_textured(material):
             self.findings.lost(
                 self.container.at(place),
-                "no equal of colours at vertices together with textures; their mean is taken",
+                "no support for colours at vertices together with textures; their mean is taken",
             )
             return primitive.triangles, colours_.mean(axis=0)
         triangles, picture = bake(primitive.triangles, colours_[primitive.triangles.indices], place)
@@ -275,7 +275,7 @@ def import_gltf(file: Path, writer: SceneWriter, findings: Findings, options: Im
     for name in value(tree, "extensionsRequired", []):
         if name not in _KNOWN:
             findings.lost(
-                container.shown, f"no equal of the extension {str(name)[:80]}, which the file requires"
+                container.shown, f"no support for the extension {str(name)[:80]}, which the file requires"
             )
     if "KHR_materials_variants" in value(tree, "extensions", {}):
         findings.note(
@@ -287,7 +287,7 @@ def import_gltf(file: Path, writer: SceneWriter, findings: Findings, options: Im
     scene = container.item("scenes", value(tree, "scene", 0), "the file")
     for name in {**value(tree, "extensions", {}), **value(scene, "extensions", {})}:
         if "light" in name.lower() and name not in _KNOWN:
-            findings.lost(container.shown, f"no equal of the extension {name[:80]}; its light is left out")
+            findings.lost(container.shown, f"no support for the extension {name[:80]}; its light is left out")
     for index in value(scene, "nodes", []):
         reader.node(index, transforms.IDENTITY, ())
     reader.add_meshes()

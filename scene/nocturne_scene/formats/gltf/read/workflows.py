@@ -74,7 +74,7 @@ def specular_glossiness(
         other = pictures.use(entry["specularGlossinessTexture"], frame, place)
         if use and other != use:
             pictures.findings.lost(
-                container.at(place), "no equal of diffuse and specular textures in different places"
+                container.at(place), "no support for diffuse and specular textures in different places"
             )
         use = other
         specular = specular * decoded(pixels[..., :3])

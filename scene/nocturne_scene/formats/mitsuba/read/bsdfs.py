@@ -88,7 +88,7 @@ def bsdf(context: Context, element: Element) -> Bsdf:
     if element.type not in _BSDFS:
         context.findings.lost(
             element.place,
-            f'no equal of the bsdf "{element.type}"; there are {", ".join(sorted(_BSDFS))}. Taken as grey',
+            f'no support for the bsdf "{element.type}"; there are {", ".join(sorted(_BSDFS))}. Taken as grey',
         )
         return Bsdf({"type": "lambertian", "reflectance": 0.5})
     properties = context.properties(element)
@@ -131,10 +131,10 @@ def _relative_index(context: Context, properties: Properties, inside: str = "bk7
 
 
 def _scales(context: Context, properties: Properties, *names: str) -> None:
-    """Factors without a physical meaning: only 1 has an equal."""
+    """Factors without a physical meaning: only 1 is supported."""
     for name in names:
         if textures.colour(context, properties, name, 1.0) != 1.0:
-            context.findings.lost(properties.place, f'no equal of "{name}" other than 1')
+            context.findings.lost(properties.place, f'no support for "{name}" other than 1')
 
 
 def _roughness(context: Context, properties: Properties) -> Json:
@@ -160,7 +160,7 @@ def _dielectric(context: Context, properties: Properties) -> Bsdf:
         index = _relative_index(context, properties)
         return Bsdf({"type": "coated_diffuse", "index": index, "reflectance": 0.0})
     if passing != 1.0:
-        context.findings.lost(properties.place, 'no equal of "specular_transmittance" other than 0 and 1')
+        context.findings.lost(properties.place, 'no support for "specular_transmittance" other than 0 and 1')
     return Bsdf({"type": "dielectric", "index": _relative_index(context, properties)})
 
 
@@ -306,7 +306,7 @@ def _coating(context: Context, properties: Properties) -> Bsdf:
     base = front_of(inside.kernel)
     if base["type"] != "lambertian":
         context.findings.lost(
-            properties.place, f'no equal of a coating over "{base["type"]}", only over diffuse; left out'
+            properties.place, f'no support for a coating over "{base["type"]}", only over diffuse; left out'
         )
         return inside
     reflectance = base["reflectance"]
@@ -354,7 +354,7 @@ def _mask(context: Context, properties: Properties) -> Bsdf:
 def _blend(context: Context, properties: Properties) -> Bsdf:
     first, second = _inside(context, properties, 2, 2)
     if first.normal_or_bump or second.normal_or_bump:
-        context.findings.lost(properties.place, "no equal of normal and bump maps inside a blend")
+        context.findings.lost(properties.place, "no support for normal and bump maps inside a blend")
     weight = textures.number(context, properties, "weight", 0.5)
     return Bsdf({"type": "blend", "first": first.kernel, "second": second.kernel, "weight": weight})
 

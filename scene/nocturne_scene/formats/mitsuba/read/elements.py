@@ -11,10 +11,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
-from xml.parsers.expat import ExpatError, ParserCreate, XMLParserType
 
 from nocturne_scene.errors import InputError
 from nocturne_scene.texts import text_of
+from nocturne_scene.xml_events import XmlError, XmlReader
 
 # How deep elements may nest.
 _MAX_DEPTH = 64
@@ -96,43 +96,30 @@ def _element(plain: list[Any]) -> Element:
     return Element(tag, attributes, place, [_element(child) for child in inner], number)
 
 
-class _Builder:
-    """Builds elements of what the parser tells, and remembers their lines."""
+class _Builder(XmlReader):
+    """Builds elements, and remembers their lines."""
 
-    def __init__(self, parser: XMLParserType, shown: str, part: "Part") -> None:
+    def __init__(self, shown: str, part: "Part") -> None:
+        super().__init__(_MAX_DEPTH)
         self.root: Element | None = None
         self._shown = shown
-        self._parser = parser
         self._part = part
         self._open: list[Element] = []
-        parser.StartElementHandler = self._start
-        parser.EndElementHandler = self._end
-        parser.CharacterDataHandler = self._text
-        # Entities are declared in a document type, and nowhere else: without one, none grows or names a file.
-        parser.StartDoctypeDeclHandler = self._refuse
 
-    def _start(self, tag: str, attributes: dict[str, str]) -> None:
-        if len(self._open) >= _MAX_DEPTH:
-            raise InputError.at(self._place(), f"elements are nested more than {_MAX_DEPTH} deep")
-        element = Element(tag, attributes, self._place())
+    def start(self, tag: str, attributes: dict[str, str]) -> None:
+        element = Element(tag, attributes, f"{self._shown}:{self.line}")
         if not self._open:
             self.root = element
         self._open.append(element)
 
-    def _end(self, _: str) -> None:
+    def end(self) -> None:
         element = self._open.pop()
         if not self._part(element, self._open) and self._open:
             self._open[-1].children.append(element)
 
-    def _text(self, text: str) -> None:
+    def text(self, text: str) -> None:
         if text.strip():
-            raise InputError.at(self._place(), f'text "{text.strip()[:40]}" between elements')
-
-    def _refuse(self, *_: object) -> None:
-        raise InputError.at(self._shown, "declares a document type or entities, which scenes have no need of")
-
-    def _place(self) -> str:
-        return f"{self._shown}:{self._parser.CurrentLineNumber}"
+            self.refuse(f'text "{text.strip()[:40]}" between elements')
 
 
 Part = Callable[[Element, list[Element]], bool]
@@ -142,8 +129,7 @@ them."""
 
 def parse_xml(file: Path, shown: str, part: Part) -> None:
     """Read a file. Raises InputError for a file that is no XML or may be harmful."""
-    parser = ParserCreate()
-    builder = _Builder(parser, shown, part)
+    builder = _Builder(shown, part)
     try:
         with file.open("rb") as opened:
             if os.fstat(opened.fileno()).st_size > _MAX_BYTES:
@@ -152,15 +138,11 @@ def parse_xml(file: Path, shown: str, part: Part) -> None:
             opened.seek(0)
             # Text that says nothing of its encoding is read as Mitsuba does, whatever bytes are in it.
             source = opened if other else text_of(opened)
-            while piece := source.read(_PIECE_BYTES):
-                parser.Parse(piece, False)
-            parser.Parse(b"", True)
+            builder.feed(iter(lambda: source.read(_PIECE_BYTES), b"" if other else ""))
     except OSError as error:
         raise InputError.at(shown, f"can't be read: {error.strerror}") from None
-    except ExpatError as error:
-        raise InputError.at(shown, f"is no XML: {str(error)[:200]}") from None
-    except (ValueError, LookupError) as error:
-        raise InputError.at(shown, f"has an encoding that can't be read: {str(error)[:200]}") from None
+    except XmlError as error:
+        raise InputError.at(f"{shown}:{error.line}", str(error)) from None
     if builder.root is None:
         raise InputError.at(shown, "is empty")
 

@@ -37,7 +37,8 @@ def add_emitter(context: Context, element: Element) -> None:
     if element.type not in _EMITTERS:
         context.findings.lost(
             element.place,
-            f'no equal of the emitter "{element.type}"; there are {", ".join(_EMITTERS)}, and area on shapes',
+            f'no support for the emitter "{element.type}"; there are {", ".join(_EMITTERS)}, and area on '
+            "shapes",
         )
         return
     properties = context.properties(element)
@@ -129,7 +130,7 @@ def _slide(context: Context, element: Element) -> Array:
     if use is None or isinstance(use, float):
         return np.full((1, 1, 3), 1.0 if use is None else use)
     if {"scale", "offset"} & use.keys():
-        context.findings.lost(element.place, "no equal of a lamp's picture with a to_uv; taken without")
+        context.findings.lost(element.place, "no support for a lamp's picture with a to_uv; taken without")
     pixels = textures.pixels_of(context, use, element.place)
     return np.broadcast_to(pixels, (*pixels.shape[:2], 3))
 

@@ -22,7 +22,7 @@ def phong(context: Context, properties: Properties) -> Json:
     """The modified Phong lobe of Lafortune and Willems (1994), (n + 2) / 2 pi cos^n, and a diffuse part."""
     exponent = textures.number(context, properties, "exponent", 30.0)
     if not isinstance(exponent, float | int):
-        context.findings.lost(properties.place, "no equal of an exponent that varies; taken as 30")
+        context.findings.lost(properties.place, "no support for an exponent that varies; taken as 30")
         exponent = 30.0
     if exponent < 0:
         raise InputError.at(properties.place, f"an exponent is not negative, found {exponent:g}")
@@ -51,7 +51,9 @@ def ward(context: Context, properties: Properties) -> Json:
     def lobe(colour: Json) -> Json:
         if isinstance(colour, dict) and "texture" in colour:
             colour = textures.mean(context, colour, 0.2, properties.place)
-            context.findings.lost(properties.place, "no equal of a ward lobe that varies; taken as its mean")
+            context.findings.lost(
+                properties.place, "no support for a ward lobe that varies; taken as its mean"
+            )
         index = metals.of_colour(colour)
         return {"type": "conductor", "index": index, "distribution": "beckmann", **found}
 

@@ -32,7 +32,7 @@ def interior(context: Context, properties: Properties, surface: Json, kernel: Js
     shape_only = kernel["type"] not in _CLEAR or kernel["type"] == "dielectric"
     if outside is not None and not shape_only and medium(context, outside):
         context.findings.lost(
-            outside.place, "a boundary that is not glass inside of a medium has no equal: media add up"
+            outside.place, "a boundary that is not glass inside of a medium is not supported: media add up"
         )
 
 
@@ -57,7 +57,7 @@ def _add(context: Context, element: Element) -> list[str]:
     if element.type not in ("homogeneous", "heterogeneous"):
         context.findings.lost(
             element.place,
-            f'no equal of the medium "{element.type}"; expected homogeneous or heterogeneous. Empty',
+            f'no support for the medium "{element.type}"; expected homogeneous or heterogeneous. Empty',
         )
         return []
     properties = context.properties(element)
@@ -82,7 +82,7 @@ def _add(context: Context, element: Element) -> list[str]:
         if albedo.grids:
             context.findings.lost(
                 element.place,
-                "an albedo that varies in a medium that does not has no equal; taken as its mean",
+                "a varying albedo in an even medium is not supported; taken as its mean",
             )
             means = [float(grid.values.mean()) for grid in albedo.grids]
             albedo = Volume(colours.reflectance(means if len(means) == 3 else means * 3))
@@ -154,7 +154,7 @@ def _blend(context: Context, properties: Properties) -> Json:
     known = [phase.get("g", 0.0) for phase in phases if phase["type"] in ("henyey_greenstein", "isotropic")]
     if len(known) != 2 or not isinstance(weight.value, float) or weight.grids:
         context.findings.lost(
-            properties.place, "a blend of phase functions other than two hg by a number has no equal"
+            properties.place, "a blend of phase functions other than two hg by a number is not supported"
         )
         return {"type": "isotropic"}
     first, second = known
@@ -173,7 +173,7 @@ def _phase(context: Context, element: Element) -> Json:
     if element.type not in _PHASES:
         context.findings.lost(
             element.place,
-            f'no equal of the phase function "{element.type}"; there are {", ".join(_PHASES)}',
+            f'no support for the phase function "{element.type}"; there are {", ".join(_PHASES)}',
         )
         return {"type": "isotropic"}
     properties = context.properties(element)

@@ -62,13 +62,13 @@ def _conductor(old: Old) -> None:
             for child in own:
                 _divide(old, child, index)
     elif outside is not None and outside.need("value").lower() not in ("air", "vacuum"):
-        old.lose('no equal of an "extEta" by name other than air and vacuum; taken as air')
+        old.lose('no support for an "extEta" by name other than air and vacuum; taken as air')
     _distribution(old)
 
 
 def _divide(old: Old, value: Element, by: float) -> None:
     if value.tag not in ("rgb", "float", "spectrum") or ":" in value.attributes.get("value", ":"):
-        old.lose(f'no equal of an "extEta" beside a table of "{value.name}"')
+        old.lose(f'no support for an "extEta" beside a table of "{value.name}"')
         return
     scaled = (each / by for each in numbers(value.need("value"), value.place))
     value.attributes["value"] = " ".join(map(str, scaled))
@@ -168,7 +168,7 @@ def _bitmap(old: Old) -> None:
     if across is not None and up is not None and across.need("value") == up.need("value"):
         old.set("string", "wrap_mode", across.need("value"))
     elif across is not None or up is not None:
-        old.lose('no equal of "wrapModeU" and "wrapModeV" that differ')
+        old.lose('no support for "wrapModeU" and "wrapModeV" that differ')
 
 
 def _vertex_colours(old: Old) -> None:

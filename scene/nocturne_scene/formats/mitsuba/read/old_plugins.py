@@ -46,7 +46,7 @@ def _sensor(old: Old) -> None:
     if old.element.type == "perspective_rdist":
         old.element.attributes["type"] = "perspective"
         old.take("kc")
-        old.lose('no equal of the distortion "kc" of a lens; taken without')
+        old.lose('no support for the distortion "kc" of a lens; taken without')
 
 
 def _film(old: Old) -> None:
@@ -74,14 +74,14 @@ def _shape(old: Old) -> None:
 def _hold(old: Old, animation: Element) -> None:
     """core/track.cpp: of a motion the first moment."""
     moments = [child for child in animation.children if child.tag == "transform"]
-    old.lose("no equal of an <animation>; taken as at its first moment")
+    old.lose("no support for an <animation>; taken as at its first moment")
     animation.tag = "transform"
     animation.children = moments[0].children if moments else []
 
 
 def _subsurface(old: Old) -> None:
     """subsurface/*: taken as an opaque surface."""
-    old.lose(f'no equal of the subsurface "{old.element.type}"')
+    old.lose(f'no support for the subsurface "{old.element.type}"')
 
 
 def _envmap(old: Old) -> None:

@@ -62,7 +62,7 @@ def principled(context: Context, properties: Properties) -> Json:
     if transmission == 0.0 or metallic == 1.0:
         return found
     if metallic != 0.0:
-        context.findings.lost(properties.place, "no equal of a principled glass that is partly metal")
+        context.findings.lost(properties.place, "no support for a principled glass that is partly metal")
     glass = _glass(context, properties, base, index, roughness)
     return {"type": "blend", "first": found, "second": glass, "weight": transmission}
 
@@ -73,7 +73,7 @@ def _number(context: Context, properties: Properties, name: str, default: float)
         return float(found)
     mean = textures.mean(context, found, default, properties.place)
     context.findings.lost(
-        properties.place, f'no equal of a principled "{name}" that varies; taken as its mean, {mean:.3g}'
+        properties.place, f'no support for a principled "{name}" that varies; taken as its mean, {mean:.3g}'
     )
     return mean
 
@@ -84,12 +84,15 @@ def _alpha(roughness: float) -> float:
 
 def _glass(context: Context, properties: Properties, base: Json, index: float, roughness: Json) -> Json:
     if base != 1.0:
-        context.findings.lost(properties.place, 'no equal of a principled "base_color" of glass other than 1')
+        context.findings.lost(
+            properties.place, 'no support for a principled "base_color" of glass other than 1'
+        )
     if not isinstance(roughness, float):
         roughness = textures.mean(context, roughness, 0.5, properties.place)
         context.findings.lost(
             properties.place,
-            f'no equal of a principled "roughness" of glass that varies; taken as its mean, {roughness:.3g}',
+            f'no support for a principled "roughness" of glass that varies; taken as its mean, '
+            f"{roughness:.3g}",
         )
     return {"type": "dielectric", "index": index, "roughness": _alpha(roughness)}
 
@@ -114,7 +117,7 @@ def _hue(context: Context, properties: Properties, base: Json, name: str) -> lis
     if amount == 0.0 or isinstance(base, float):
         return _WHITE
     if "rgb" not in base or not max(base["rgb"]) > 0:
-        context.findings.lost(properties.place, f'no equal of a "{name}" whose "base_color" is no rgb')
+        context.findings.lost(properties.place, f'no support for a "{name}" whose "base_color" is no rgb')
         return _WHITE
     luminance = sum(part * each for part, each in zip(SRGB_LUMINANCE, base["rgb"], strict=True))
     return [1 + amount * (each / luminance - 1) for each in base["rgb"]]
@@ -203,4 +206,4 @@ def _index(properties: Properties) -> float:
 
 def _need(context: Context, properties: Properties, name: str, value: float) -> None:
     if textures.number(context, properties, name, value) != value:
-        context.findings.lost(properties.place, f'no equal of a principled "{name}" other than {value:g}')
+        context.findings.lost(properties.place, f'no support for a principled "{name}" other than {value:g}')

@@ -183,9 +183,9 @@ class Properties:
         """Tell of everything that was not taken."""
         what = f"{self.element.tag} {self.element.type}".strip()
         for name in self._named:
-            self._findings.lost(self.place, f'{what}: no equal of the parameter "{name}"')
+            self._findings.lost(self.place, f'{what}: no support for the parameter "{name}"')
         for child in self._inside:
-            self._findings.lost(child.place, f"{what}: no equal of the <{child.tag}> inside")
+            self._findings.lost(child.place, f"{what}: no support for the <{child.tag}> inside")
 
     def _read(
         self, name: str, tags: tuple[str, ...], default: _T, read: Callable[[str, str], _T | float]

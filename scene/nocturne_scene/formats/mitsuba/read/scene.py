@@ -40,7 +40,7 @@ def import_mitsuba(file: Path, writer: SceneWriter, findings: Findings, options:
     tree = SceneTree(SceneFiles(options.root or file.parent), file.resolve(), options.parameters, findings)
     context = Context(tree, writer, findings, options)
     for element in tree.other_elements(*_PARTS, *_REFERRED):
-        findings.lost(element.place, f"no equal of <{element.tag}>")
+        findings.lost(element.place, f"no support for <{element.tag}>")
     for tag, add in _PARTS.items():
         for element in tree.elements(tag):
             with findings.leaving_out():

@@ -31,7 +31,7 @@ def add_sensor(context: Context, element: Element) -> None:
         return
     if element.type not in _SENSORS:
         context.findings.lost(
-            element.place, f'no equal of the sensor "{element.type}"; there are {", ".join(_SENSORS)}'
+            element.place, f'no support for the sensor "{element.type}"; there are {", ".join(_SENSORS)}'
         )
         return
     properties = context.properties(element)
@@ -49,7 +49,7 @@ def add_sensor(context: Context, element: Element) -> None:
     around_sensor(context, properties)
     to_world = properties.transform("to_world")
     if transforms.is_mirrored(to_world):
-        context.findings.lost(element.place, "a camera that mirrors the image has no equal")
+        context.findings.lost(element.place, "a camera that mirrors the image is not supported")
     context.writer.document["sensor"] = {
         "position": to_world[:3, 3].tolist(),
         "look_at": (to_world[:3, 3] + _unit(to_world[:3, 2])).tolist(),
@@ -143,7 +143,7 @@ def _orthographic(context: Context, properties: Properties, to_world: Matrix) ->
     across, up = (float(np.linalg.norm(to_world[:3, axis])) for axis in (0, 1))
     if abs(across - up) > 1e-6 * across:
         context.findings.lost(
-            properties.place, "an orthographic camera that stretches the image has no equal"
+            properties.place, "an orthographic camera that stretches the image is not supported"
         )
     return {"type": "orthographic", "height": 2 * up * film.height / film.width}
 
@@ -176,14 +176,14 @@ def add_integrator(context: Context, element: Element) -> None:
         properties.ignore("shading_samples", "emitter_samples", "bsdf_samples", *_OF_DERIVATIVES)
     else:
         context.findings.lost(
-            element.place, f'no equal of the integrator "{element.type}"; light goes all its way'
+            element.place, f'no support for the integrator "{element.type}"; light goes all its way'
         )
         return
     context.hides_emitters = properties.switch("hide_emitters", False)
     properties.finish()
     if depth in (0, 1):
         context.findings.lost(
-            element.place, f"max_depth {depth} has no equal; light goes on to the first surface"
+            element.place, f"max_depth {depth} is not supported; light goes on to the first surface"
         )
         depth = 2
     if depth > 0:

@@ -58,7 +58,7 @@ def _add(context: Context, crowds: Crowds, element: Element, outer: Matrix) -> N
     properties = context.properties(element)
     if element.type not in _SHAPES and element.type not in GENERATED:
         known = ", ".join(sorted((*_SHAPES, *GENERATED)))
-        context.findings.lost(element.place, f'no equal of the shape "{element.type}"; there are {known}')
+        context.findings.lost(element.place, f'no support for the shape "{element.type}"; there are {known}')
         return
     material = _material(context, properties)
     to_world = outer @ properties.transform("to_world")
@@ -86,7 +86,7 @@ def _material(context: Context, properties: Properties) -> _Material:
         raise InputError.at(properties.place, f"a shape has one emitter, found {len(emitters)}")
     for emitter in emitters:
         if emitter.type != "area":
-            context.findings.lost(emitter.place, f'no equal of the emitter "{emitter.type}" on a shape')
+            context.findings.lost(emitter.place, f'no support for the emitter "{emitter.type}" on a shape')
             continue
         inner = context.properties(emitter)
         radiance = textures.light(context, inner, "radiance", {"illuminant": "D65", "luminance": white()})
@@ -143,7 +143,7 @@ def _mesh_file(context: Context, properties: Properties, to_world: Matrix, mater
     mesh = context.meshes[file, kind]
     wanted = sorted(attributes.wanted(material.surface))
     if len(wanted) > 1:
-        context.findings.lost(properties.place, "of several attributes on a mesh only one has an equal")
+        context.findings.lost(properties.place, "of several attributes on a mesh only one is supported")
     for attribute in wanted[:1]:
         corners = attributes.read_ply(file, attribute, mesh) if kind == "ply" else None
         if corners is None:

@@ -124,12 +124,12 @@ def _blackbody(context: Context, element: Element) -> Json:
     properties.ignore("wavelength_min", "wavelength_max")
     properties.finish()
     if scale != 1.0:
-        raise InputError.at(element.place, "a black body's scale has no equal; expected 1")
+        raise InputError.at(element.place, "a black body's scale is not supported; expected 1")
     return {"blackbody": temperature}
 
 
 def _unknown(context: Context, element: Element) -> Json:
-    context.findings.lost(element.place, f'no equal of the spectrum "{element.type}"; taken as 0.5')
+    context.findings.lost(element.place, f'no support for the spectrum "{element.type}"; taken as 0.5')
     return 0.5
 
 

@@ -37,7 +37,7 @@ def _bitmap(context: Context, element: Element) -> Json:
         )
     wrap = properties.text("wrap_mode", "repeat")
     if wrap not in ("repeat", "clamp", "mirror"):
-        context.findings.lost(element.place, f'no equal of the wrap mode "{wrap}"; taken as "repeat"')
+        context.findings.lost(element.place, f'no support for the wrap mode "{wrap}"; taken as "repeat"')
         wrap = "repeat"
     properties.ignore("format", "accel")
     mirrored = wrap == "mirror"
@@ -72,7 +72,7 @@ def _coordinates(context: Context, properties: Properties, factor: float = 1.0) 
     """The fields for `to_uv`, of a picture that shows 1 / `factor` of the range of its coordinates."""
     matrix = properties.transform("to_uv")
     if np.any(np.abs(matrix[[0, 1], [1, 0]]) > 1e-9):
-        context.findings.lost(properties.place, "texture coordinates that are turned have no equal")
+        context.findings.lost(properties.place, "texture coordinates that are turned are not supported")
     scale = [factor * float(matrix[i, i]) for i in (0, 1)]
     offset = [factor * float(matrix[i, 3]) for i in (0, 1)]
     if scale == [1.0, 1.0] and offset == [0.0, 0.0]:
@@ -98,7 +98,7 @@ def _board_colour(context: Context, element: Element | None, default: float) -> 
     if isinstance(value, float):
         return [value] * 3
     if "rgb" not in value:
-        raise InputError.at(element.place, "a board of measured spectra has no equal; expected <rgb>")
+        raise InputError.at(element.place, "a board of measured spectra is not supported; expected <rgb>")
     found: list[float] = value["rgb"]
     return found
 
@@ -107,7 +107,7 @@ def _mesh_attribute(context: Context, element: Element) -> Json:
     properties = context.properties(element)
     name = properties.text("name", "")
     if properties.number("scale", 1.0) != 1.0:
-        context.findings.lost(element.place, "no equal of an attribute's scale")
+        context.findings.lost(element.place, "no support for an attribute's scale")
     properties.finish()
     return {"texture": ATTRIBUTE + name}
 
@@ -158,7 +158,7 @@ _TEXTURES: dict[str, Callable[[Context, Element], Json]] = {
 def changed(context: Context, use: Json, change: Callable[[Pixels], Pixels], place: str) -> Json:
     """The use of a picture whose linear values are changed, texel by texel."""
     if use["texture"].startswith(ATTRIBUTE):
-        context.findings.lost(place, "no equal of a mesh's attribute as the base under a coat")
+        context.findings.lost(place, "no support for a mesh's attribute as the base under a coat")
         return use
     texture = context.writer.document["textures"][use["texture"]]
     pixels = pixels_of(context, use, place)
@@ -201,7 +201,7 @@ def texture(context: Context, element: Element) -> Json:
     """
     if element.type not in _TEXTURES:
         context.findings.lost(
-            element.place, f'no equal of the texture "{element.type}"; there are {", ".join(_TEXTURES)}'
+            element.place, f'no support for the texture "{element.type}"; there are {", ".join(_TEXTURES)}'
         )
         return None
     if element.number not in context.textures:

@@ -58,7 +58,7 @@ def volume(context: Context, properties: Properties, name: str, default: float) 
         case "gridvolume":
             found = Volume(1.0, _grids(context, inner))
         case _:
-            context.findings.lost(element.place, f'no equal of the volume "{element.type}"; taken as 1')
+            context.findings.lost(element.place, f'no support for the volume "{element.type}"; taken as 1')
             return Volume(1.0)
     inner.finish()
     return found
@@ -120,7 +120,7 @@ def _read(context: Context, file: Path) -> tuple[np.ndarray, list[float]]:
     if magic != b"VOL" or version != 3 or kind != FLOATS:
         raise InputError.at(shown, "is no grid of version 3 with 32-bit floats")
     if channels not in (1, 3):
-        raise InputError.at(shown, f"a grid of {channels} channels has no equal; expected 1 or 3")
+        raise InputError.at(shown, f"a grid of {channels} channels is not supported; expected 1 or 3")
     if min(counts) < 1 or counts[0] * counts[1] * counts[2] * channels * 4 != len(content) - HEADER.size:
         raise InputError.at(shown, f"says that it has {' x '.join(map(str, counts))} values, and has not")
     if not np.all(np.isfinite(box)) or not all(

@@ -86,9 +86,9 @@ class _Sides:
             case "null_kernel":
                 return plugin("bsdf", "null")
             case "coated_conductor" | "coated_dielectric":
-                self._lost("a coating has no equal in Mitsuba")
+                self._lost("a coating is not supported by Mitsuba")
             case _:
-                self._lost(f"the kernel {model} has no equal in Mitsuba")
+                self._lost(f"the kernel {model} is not supported by Mitsuba")
         return plugin("bsdf", "diffuse")
 
     def _conductor(self, conductor: scene_pb2.Conductor) -> Element:
@@ -107,13 +107,13 @@ class _Sides:
 
     def _pane(self, pane: scene_pb2.ThinPane) -> Element:
         if self._table(pane.transmittance).constant != 1.0:
-            self._lost("a pane that absorbs has no equal in Mitsuba")
+            self._lost("a pane that absorbs is not supported by Mitsuba")
         return plugin("bsdf", "thindielectric", int_ior=self._constant(self._table(pane.index)), ext_ior=1.0)
 
     def _plastic(self, coated: scene_pb2.CoatedDiffuse) -> Element:
         found = self._faceted("plastic", coated.roughness)
         if found.get("type") == "roughplastic":
-            self._lost("a rough coat has no equal in Mitsuba, whose loses light between its facets")
+            self._lost("a rough coat is not supported by Mitsuba, whose own loses light between its facets")
         parameter(found, "nonlinear", True)
         parameter(found, "int_ior", self._constant(self._table(coated.index)))
         parameter(found, "ext_ior", 1.0)
@@ -185,7 +185,7 @@ class _Sides:
 
     def _constant(self, table: Table) -> float:
         if table.constant is None:
-            self._lost("an index of refraction that depends on wavelength has no equal in Mitsuba")
+            self._lost("an index of refraction that depends on wavelength is not supported by Mitsuba")
         return float(table.values[0])
 
     def _lost(self, message: str) -> None:

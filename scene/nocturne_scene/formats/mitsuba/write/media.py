@@ -53,7 +53,7 @@ def _heterogeneous(context: Context, media: tuple[Medium, ...], id_: str, place:
     # Spectra are in single precision.
     if np.ptp(total) > 1e-6 * np.max(total):
         context.findings.lost(
-            place, "a density grid whose extinction depends on wavelength has no equal in Mitsuba"
+            place, "a density grid whose extinction depends on wavelength is not supported by Mitsuba"
         )
     parameter(found, "scale", grid.scale * float(np.mean(total)))
     albedo = plugin("volume", "constvolume", name="albedo")
@@ -97,7 +97,7 @@ def _phase(context: Context, phase: scene_pb2.PhaseFunction, place: str) -> Elem
             return _depolarising(context, phase.rayleigh, place)
         case _:
             context.findings.lost(
-                place, "a phase function by a table or by Mie's theory has no equal in Mitsuba"
+                place, "a phase function by a table or by Mie's theory is not supported by Mitsuba"
             )
     return plugin("phase", "isotropic")
 
@@ -113,7 +113,9 @@ def _depolarising(context: Context, phase: scene_pb2.RayleighPhase, place: str) 
     even = 3 * gamma / (1 + 2 * gamma)
     spread = float(np.ptp(even)) / 2
     if spread > _MAX_SPREAD:
-        context.findings.lost(place, "depolarisation that depends much on wavelength has no equal in Mitsuba")
+        context.findings.lost(
+            place, "depolarisation that depends much on wavelength is not supported by Mitsuba"
+        )
     elif spread > 0:
         context.findings.note(
             place,

@@ -172,7 +172,7 @@ def _disc(context: Context, disc: scene_pb2.DistantDisc) -> Element:
     """A disc far away, even; where ours is darker towards its edge, with the same light in all."""
     compiled = context.compiled
     if disc.half_angle > _WIDEST:
-        context.findings.lost("$.distant", "a disc wider than 160 degrees has no equal in Mitsuba")
+        context.findings.lost("$.distant", "a disc wider than 160 degrees is not supported by Mitsuba")
     table = compiled.table(disc.radiance)
     if disc.limb_plus:
         context.findings.note("$.distant", "limb darkening is left out: an even disc of the same light")

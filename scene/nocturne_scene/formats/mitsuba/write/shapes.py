@@ -80,7 +80,7 @@ def _geometry(context: Context, index: int, surface: scene_pb2.Surface, place: s
 
 def _emitter(context: Context, luminaire: scene_pb2.Luminaire, place: str) -> Element:
     if luminaire.two_sided:
-        context.findings.lost(f"{place}.two_sided", "a luminaire with two sides has no equal in Mitsuba")
+        context.findings.lost(f"{place}.two_sided", "a luminaire with two sides is not supported by Mitsuba")
     found = plugin("emitter", "area")
     found.append(spectrum("radiance", context.compiled.table(luminaire.radiance.spectrum)))
     return found

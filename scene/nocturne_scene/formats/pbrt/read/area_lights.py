@@ -84,9 +84,9 @@ def _whole(context: Context, kind_of_shape: str, shape: Json | Placed) -> Json:
     kind, given, place = context.state.area_light
     parameters = context.parameters("area light", place, given)
     if kind != "diffuse":
-        context.findings.lost(place, f'no equal of the area light "{kind}"; there is diffuse')
+        context.findings.lost(place, f'no support for the area light "{kind}"; there is diffuse')
     if parameters.take("filename") is not None:
-        context.findings.lost(place, 'no equal of an area light\'s "filename"')
+        context.findings.lost(place, 'no support for an area light\'s "filename"')
     luminance = float(parameters.number("scale", 1.0))
     two_sided = parameters.switch("twosided", False)
     power = float(parameters.number("power", 0.0))
@@ -94,7 +94,7 @@ def _whole(context: Context, kind_of_shape: str, shape: Json | Placed) -> Json:
     if power > 0 and (areas is None or areas.min() < (1 - _ALIKE) * areas.max()):
         context.findings.lost(
             place,
-            'no equal of an area light\'s "power" on parts of several sizes: each has all of it in pbrt',
+            'no support for an area light\'s "power" on parts of several sizes: each has all of it in pbrt',
         )
     elif power > 0 and areas is not None:
         luminance *= power / (np.pi * float(areas.mean()) * (2 if two_sided else 1))

@@ -32,7 +32,7 @@ def add_camera(context: Context, kind: str, parameters: Parameters) -> None:
     }
     parameters.ignore("shutteropen", "shutterclose")
     if parameters.take("frameaspectratio") is not None:
-        context.findings.lost(parameters.place, 'no equal of the camera\'s "frameaspectratio"')
+        context.findings.lost(parameters.place, 'no support for the camera\'s "frameaspectratio"')
     window = parameters.numbers("screenwindow", 4)
     match kind:
         case "perspective":
@@ -43,7 +43,8 @@ def add_camera(context: Context, kind: str, parameters: Parameters) -> None:
             sensor |= {"type": "orthographic", "height": 2 * size}
         case _:
             context.findings.lost(
-                parameters.place, f'no equal of the camera "{kind}"; there are perspective and orthographic'
+                parameters.place,
+                f'no support for the camera "{kind}"; there are perspective and orthographic',
             )
             sensor |= {"type": "pinhole", "vertical_field_of_view_degrees": 90.0}
     parameters.finish()
@@ -65,7 +66,8 @@ def _half_height(context: Context, place: str, window: list[float] | None) -> fl
             or abs((right - left) * film.height - (top - bottom) * film.width) > film.width * top * 1e-2
         ):
             context.findings.lost(
-                place, 'no equal of a "screenwindow" that is off the middle or has other sides than the film'
+                place,
+                'no support for a "screenwindow" that is off the middle or has other sides than the film',
             )
 
     if not (right > left and top > bottom):
@@ -120,7 +122,7 @@ def add_film(context: Context, kind: str, parameters: Parameters) -> None:
     for name in ("cropwindow", "pixelbounds"):
         if parameters.take(name) is not None:
             context.findings.lost(
-                parameters.place, f'no equal of the film\'s "{name}"; all of it is rendered'
+                parameters.place, f'no support for the film\'s "{name}"; all of it is rendered'
             )
     del kind
     parameters.finish()
@@ -135,7 +137,9 @@ def add_integrator(context: Context, kind: str, parameters: Parameters) -> None:
         return
     depth = parameters.whole("maxdepth", 5)
     if depth < 1:
-        context.findings.lost(parameters.place, "maxdepth 0 has no equal; light goes on to the first surface")
+        context.findings.lost(
+            parameters.place, "maxdepth 0 is not supported; light goes on to the first surface"
+        )
     context.writer.document["tracing"] = {"maximum_depth": max(1, depth)}
     context.findings.note(parameters.place, "of the integrator only maxdepth is used")
 

@@ -21,7 +21,7 @@ def add_light(context: Context, kind: str, parameters: Parameters) -> None:
     """A `LightSource` directive."""
     if kind not in _LIGHTS:
         context.findings.lost(
-            parameters.place, f'no equal of the light "{kind}"; there are {", ".join(_LIGHTS)}'
+            parameters.place, f'no support for the light "{kind}"; there are {", ".join(_LIGHTS)}'
         )
         return
     _LIGHTS[kind](context, parameters)
@@ -54,7 +54,7 @@ def _infinite(context: Context, parameters: Parameters) -> None:
 def _sky(context: Context, parameters: Parameters, picture: str) -> Json:
     """The environment of a picture in an equal-area square."""
     if parameters.take("portal") is not None:
-        context.findings.lost(parameters.place, 'no equal of "portal" for a sky\'s picture')
+        context.findings.lost(parameters.place, 'no support for "portal" for a sky\'s picture')
     try:
         file = context.file(picture, parameters.place)
         shown = read_whole(file)
@@ -76,7 +76,7 @@ def _sky(context: Context, parameters: Parameters, picture: str) -> Json:
     axes = context.to_world()[:3, :3]
     size = np.linalg.norm(axes, axis=0)
     if not np.allclose(axes.T @ axes, np.diag(size**2), atol=1e-6 * size.max() ** 2):
-        context.findings.lost(parameters.place, "a sky that is sheared has no equal")
+        context.findings.lost(parameters.place, "a sky that is sheared is not supported")
     if transforms.is_mirrored(context.to_world()):
         # Rows of a frame that is no mirror image, with y the other way round.
         pixels = pixels[:, ::-1]

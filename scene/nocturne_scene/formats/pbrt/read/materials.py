@@ -16,7 +16,7 @@ def material(context: Context, kind: str, parameters: Parameters) -> tuple[Json,
     if kind not in _MATERIALS:
         known = ", ".join(filter(None, _MATERIALS))
         context.findings.lost(
-            parameters.place, f'no equal of the material "{kind}"; there are {known}. Taken as grey'
+            parameters.place, f'no support for the material "{kind}"; there are {known}. Taken as grey'
         )
         return {"type": "lambertian", "reflectance": 0.5}, {}
     kernel = _MATERIALS[kind](context, parameters)
@@ -58,7 +58,7 @@ def _alphas(context: Context, parameters: Parameters, default: float, remap: boo
     for value in values:
         if not isinstance(value, float):
             if remap:
-                context.findings.lost(parameters.place, "a texture of remapped roughness has no equal")
+                context.findings.lost(parameters.place, "a texture of remapped roughness is not supported")
             alphas.append(value)
         elif not 0 <= value <= 1:
             raise InputError.at(parameters.place, f"a roughness lies between 0 and 1, found {value:g}")
@@ -101,7 +101,7 @@ def _coated_diffuse(context: Context, parameters: Parameters) -> Json:
     )
     parameters.ignore("thickness", "maxdepth", "nsamples", "g")
     if spectra.reflectance(context, parameters, "albedo", 0.0) != 0.0:
-        context.findings.lost(parameters.place, "a coat that scatters has no equal")
+        context.findings.lost(parameters.place, "a coat that scatters is not supported")
     return {
         "type": "coated_diffuse",
         "index": spectra.index(context, parameters, "eta", 1.5),
@@ -118,7 +118,7 @@ def _coated_conductor(context: Context, parameters: Parameters) -> Json:
     )
     parameters.ignore("thickness", "maxdepth", "nsamples", "g")
     if spectra.reflectance(context, parameters, "albedo", 0.0) != 0.0:
-        context.findings.lost(parameters.place, "a coat that scatters has no equal")
+        context.findings.lost(parameters.place, "a coat that scatters is not supported")
     remap = parameters.switch("remaproughness", True)
     parameters.rename("conductor.")
     given = {name: parameters.take(name) for name in ("reflectance", "eta", "k")}
@@ -149,7 +149,7 @@ def _root(context: Context, place: str, alpha: Json) -> Json:
     """The roughness of a principled kernel, whose square is alpha."""
     if isinstance(alpha, float):
         return math.sqrt(alpha)
-    context.findings.lost(place, "no equal of the root of a texture of roughness; taken as it is")
+    context.findings.lost(place, "no support for the root of a texture of roughness; taken as it is")
     return alpha
 
 

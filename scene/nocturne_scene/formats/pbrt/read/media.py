@@ -54,14 +54,16 @@ def _medium(context: Context, name: str, parameters: Parameters) -> list[str]:
     kind = parameters.word("type", "")
     if kind not in _KINDS:
         context.findings.lost(
-            parameters.place, f'no equal of the medium "{kind}"; there are {", ".join(_KINDS)}. Empty'
+            parameters.place, f'no support for the medium "{kind}"; there are {", ".join(_KINDS)}. Empty'
         )
         parameters.ignore_all()
         return []
     if kind == "rgbgrid":
         return _coloured(context, name, parameters)
     if parameters.take("preset") is not None:
-        context.findings.lost(parameters.place, "a preset has no equal; the default coefficients are taken")
+        context.findings.lost(
+            parameters.place, "a preset is not supported; the default coefficients are taken"
+        )
     is_grid = kind == "uniformgrid"
     absorption = spectra.coefficient(
         context, parameters, "sigma_a", 1.0 if is_grid else colours.coefficient(_ABSORPTION)
@@ -93,7 +95,7 @@ def _medium(context: Context, name: str, parameters: Parameters) -> list[str]:
 def _dark(context: Context, parameters: Parameters) -> None:
     for glow in ("Le", "Lescale", "temperature", "temperaturescale", "temperatureoffset", "Lescalegrid"):
         if parameters.take(glow) is not None:
-            context.findings.lost(parameters.place, f'no equal of a medium\'s "{glow}": it does not glow')
+            context.findings.lost(parameters.place, f'no support for a medium\'s "{glow}": it does not glow')
 
 
 def _coloured(context: Context, name: str, parameters: Parameters) -> list[str]:
@@ -165,7 +167,7 @@ def interior(context: Context, place: str, surface: Json, kernel: Json) -> None:
         context.enclosed.update(within)
     if around and kind != "dielectric":
         context.findings.lost(
-            place, "a boundary that is not glass inside of a medium has no equal: media add up"
+            place, "a boundary that is not glass inside of a medium is not supported: media add up"
         )
 
 

@@ -71,7 +71,7 @@ def mirror(context: Context, parameters: Parameters) -> Json:
     """Reflects `Kr` at all angles; a metal that reflects it at normal incidence."""
     colour = spectra.reflectance(context, parameters, "Kr", 0.9)
     if isinstance(colour, dict) and "texture" in colour:
-        context.findings.lost(parameters.place, "no equal of a mirror that varies; taken as 0.9")
+        context.findings.lost(parameters.place, "no support for a mirror that varies; taken as 0.9")
         colour = 0.9
     return {"type": "conductor", "index": metals.of_colour(colour)}
 
@@ -82,7 +82,7 @@ def translucent(context: Context, parameters: Parameters) -> Json:
     parts = [spectra.reflectance(context, parameters, name, 0.5) for name in ("reflect", "transmit")]
     parameters.ignore("roughness", "remaproughness")
     if glossy != 0.0:
-        context.findings.lost(parameters.place, 'no equal of the "Ks" of a translucent surface')
+        context.findings.lost(parameters.place, 'no support for the "Ks" of a translucent surface')
     reflected, passing = (_product(context, diffuse, part, parameters) for part in parts)
     return {"type": "diffuse_transmitter", "reflectance": reflected, "transmittance": passing}
 
@@ -116,7 +116,7 @@ def disney(context: Context, parameters: Parameters) -> Json:
         }
     for name in ("sheen", "speculartint", "flatness"):
         if spectra.scalar(context, parameters, name, 0.0) != 0.0:
-            context.findings.lost(parameters.place, f'no equal of the "{name}" of disney')
+            context.findings.lost(parameters.place, f'no support for the "{name}" of disney')
     parameters.ignore("sheentint", "difftrans", "scatterdistance", "thin")
     through = spectra.scalar(context, parameters, "spectrans", 0.0)
     if through == 0.0:
@@ -132,7 +132,7 @@ def _blend(first: Json, second: Json, weight: Json) -> Json:
 
 def opaque(context: Context, parameters: Parameters) -> Json:
     """Of kdsubsurface the surface, as if all light came back where it went in."""
-    context.findings.lost(parameters.place, "no equal of kdsubsurface; taken as an opaque surface")
+    context.findings.lost(parameters.place, "no support for kdsubsurface; taken as an opaque surface")
     base = spectra.reflectance(context, parameters, "Kd", 0.5)
     index = spectra.index(context, parameters, "eta", 1.3)
     parameters.ignore_all()
@@ -166,7 +166,7 @@ def _roughness(context: Context, parameters: Parameters, default: float) -> Json
 def _root(context: Context, parameters: Parameters, value: Json, remap: bool) -> Json:
     if isinstance(value, float):
         return math.sqrt(alpha_of(value, remap=remap))
-    context.findings.lost(parameters.place, "a texture of remapped roughness has no equal")
+    context.findings.lost(parameters.place, "a texture of remapped roughness is not supported")
     return _plain(value)
 
 
@@ -184,7 +184,7 @@ def _number(context: Context, value: Json, name: str, parameters: Parameters) ->
     if isinstance(value, float) or "texture" in value:
         return _plain(value)
     context.findings.lost(
-        parameters.place, f'no equal of a coloured "{name}" of uber; taken as its brightness'
+        parameters.place, f'no support for a coloured "{name}" of uber; taken as its brightness'
     )
     rgb = value.get("rgb")
     return sum(a * b for a, b in zip(SRGB_LUMINANCE, rgb, strict=True)) if rgb else spectra.largest(value)
@@ -197,5 +197,5 @@ def _product(context: Context, first: Json, second: Json, parameters: Parameters
         return spectra.reflectance_times(first, second)
     if "rgb" in first and "rgb" in second:
         return colours.reflectance([a * b for a, b in zip(first["rgb"], second["rgb"], strict=True)])
-    context.findings.lost(parameters.place, "no equal of the product of two colours that vary")
+    context.findings.lost(parameters.place, "no support for the product of two colours that vary")
     return first

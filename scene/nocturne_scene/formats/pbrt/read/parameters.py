@@ -178,4 +178,6 @@ class Parameters:
     def finish(self) -> None:
         """Tell of everything that was not taken."""
         for parameter in self._named.values():
-            self._findings.lost(parameter.place, f'{self.what}: no equal of the parameter "{parameter.name}"')
+            self._findings.lost(
+                parameter.place, f'{self.what}: no support for the parameter "{parameter.name}"'
+            )

@@ -134,12 +134,12 @@ def _colour_space(reader: Reader, stream: Stream, place: str) -> None:
     name = stream.string(place)
     # pbrt reads it in letters of either case.
     if name.lower() != "srgb":
-        reader.context.findings.lost(place, f'no equal of the colour space "{name}"; taken as srgb')
+        reader.context.findings.lost(place, f'no support for the colour space "{name}"; taken as srgb')
 
 
 def _active_transform(reader: Reader, stream: Stream, place: str) -> None:
     if stream.take(place).text != "All":
-        reader.context.findings.lost(place, "transformations that change with time have no equal")
+        reader.context.findings.lost(place, "transformations that change with time are not supported")
 
 
 def _transform_times(reader: Reader, stream: Stream, place: str) -> None:
@@ -158,7 +158,7 @@ def _end_world(reader: Reader, stream: Stream, place: str) -> None:
     reader.context.is_old = True
     reader.ended = True
     if stream.ahead is not None:
-        reader.context.findings.lost(stream.ahead.place, "no equal of what follows the end of the world")
+        reader.context.findings.lost(stream.ahead.place, "no support for what follows the end of the world")
 
 
 def _nothing(context: Context, kind: str, parameters: Parameters) -> None:

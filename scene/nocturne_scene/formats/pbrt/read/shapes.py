@@ -30,14 +30,14 @@ _MAX_LEVELS = 12
 def add_surface(
     context: Context, crowds: Crowds, kind: str, parameters: Parameters, *, of_object: bool = False
 ) -> None:
-    """Add the surface of a `Shape` directive, where it has an equal.
+    """Add the surface of a `Shape` directive, where it is supported.
 
     `of_object`: it is part of an object, where pbrt has no area lights. Elsewhere curves are kept for
     `gathered`, as hair has one directive for each.
     """
     if kind not in _SHAPES:
         context.findings.lost(
-            parameters.place, f'no equal of the shape "{kind}"; there are {", ".join(sorted(_SHAPES))}'
+            parameters.place, f'no support for the shape "{kind}"; there are {", ".join(sorted(_SHAPES))}'
         )
         return
     state = context.state
@@ -122,7 +122,7 @@ def _sphere(context: Context, parameters: Parameters, textured: bool) -> Placed:
         parameters.number(name, value) for name, value in zip(("zmin", "zmax", "phimax"), whole, strict=True)
     )
     if given != whole:
-        context.findings.lost(parameters.place, "no equal of a part of a sphere; all of it is there")
+        context.findings.lost(parameters.place, "no support for a part of a sphere; all of it is there")
     matrix = context.to_world()
     factor = transforms.similarity(matrix)
     if factor is not None and not textured and not context.state.reversed:
@@ -138,7 +138,7 @@ def _curve(context: Context, parameters: Parameters) -> np.ndarray:
     degree, basis = int(parameters.number("degree", 3)), parameters.word("basis", "bezier")
     form = parameters.word("type", "flat")
     if form == "ribbon":
-        context.findings.lost(parameters.place, "no equal of ribbons; taken as round")
+        context.findings.lost(parameters.place, "no support for ribbons; taken as round")
     parameters.ignore("N", "splitdepth")
     if points is None or degree not in (2, 3) or basis not in tubes.BASES:
         raise InputError.at(
@@ -173,7 +173,7 @@ def _disk(context: Context, parameters: Parameters, textured: bool) -> Placed:
     del textured  # it has coordinates
     radius, height = float(parameters.number("radius", 1.0)), float(parameters.number("height", 0.0))
     if parameters.number("innerradius", 0.0) != 0.0 or parameters.number("phimax", 360.0) != 360.0:
-        context.findings.lost(parameters.place, "no equal of a part of a disk; all of it is there")
+        context.findings.lost(parameters.place, "no support for a part of a disk; all of it is there")
     own = transforms.translation([0, 0, height]) @ transforms.scaling([radius, radius, 1.0])
     return _generated(context, own, "disk")
 
@@ -183,7 +183,7 @@ def _cylinder(context: Context, parameters: Parameters, textured: bool) -> Place
     radius = float(parameters.number("radius", 1.0))
     low, high = float(parameters.number("zmin", -1.0)), float(parameters.number("zmax", 1.0))
     if parameters.number("phimax", 360.0) != 360.0:
-        context.findings.lost(parameters.place, "no equal of a part of a cylinder; all of it is there")
+        context.findings.lost(parameters.place, "no support for a part of a cylinder; all of it is there")
     own = transforms.translation([0, 0, low]) @ transforms.scaling([radius, radius, high - low])
     return _generated(context, own, "cylinder")
 
@@ -266,7 +266,7 @@ def _ply_mesh(context: Context, parameters: Parameters, textured: bool) -> Json:
     if name is None:
         raise InputError.at(parameters.place, 'a plymesh needs "filename"')
     if parameters.take("displacement") is not None:
-        context.findings.lost(parameters.place, "no equal of displaced triangles")
+        context.findings.lost(parameters.place, "no support for displaced triangles")
     parameters.ignore("edgelength")
     file = context.file(name, parameters.place)
     shown = context.files.shown(file)

@@ -141,7 +141,7 @@ def add_texture(context: Context, name: str, kind: str, plugin: str, parameters:
         case _:
             context.findings.lost(
                 parameters.place,
-                f'no equal of the texture "{plugin}"; there are constant, imagemap, checkerboard, scale',
+                f'no support for the texture "{plugin}"; there are constant, imagemap, checkerboard, scale',
             )
             return
     parameters.finish()
@@ -166,7 +166,7 @@ def _image(context: Context, parameters: Parameters, kind: str) -> Json:
     except UnusableImageError as error:
         raise InputError.at(parameters.place, str(error)) from None
     if wrap not in ("repeat", "clamp"):
-        context.findings.lost(parameters.place, f'no equal of the wrap mode "{wrap}"; taken as repeat')
+        context.findings.lost(parameters.place, f'no support for the wrap mode "{wrap}"; taken as repeat')
     elif wrap == "clamp":
         texture["wrap"] = "clamp"
     _only_uv(context, parameters)
@@ -179,19 +179,21 @@ def _board(context: Context, parameters: Parameters) -> Json:
     """Squares of one unit of the mapping each, the first at u = v = 0; the picture holds two by two."""
     _only_uv(context, parameters)
     if parameters.whole("dimension", 2) != 2:
-        context.findings.lost(parameters.place, "no equal of a board in space; taken as one on the surface")
+        context.findings.lost(
+            parameters.place, "no support for a board in space; taken as one on the surface"
+        )
     colour = [reflectance(context, parameters, name, value) for name, value in (("tex1", 1.0), ("tex2", 0.0))]
     linear = []
     for each in colour:
         if not isinstance(each, float) and "rgb" not in each:
-            raise InputError.at(parameters.place, "a board of textures or measured spectra has no equal")
+            raise InputError.at(parameters.place, "a board of textures or measured spectra is not supported")
         linear.append([each] * 3 if isinstance(each, float) else each["rgb"])
     return {"texture": context.writer.board(linear[1], linear[0]), **_mapping(parameters, 0.5)}
 
 
 def _only_uv(context: Context, parameters: Parameters) -> None:
     if parameters.word("mapping", "uv") != "uv":
-        context.findings.lost(parameters.place, "no equal of mappings other than uv")
+        context.findings.lost(parameters.place, "no support for mappings other than uv")
 
 
 def _mapping(parameters: Parameters, period: float) -> Json:
@@ -209,7 +211,7 @@ def _scaled(context: Context, parameters: Parameters) -> Json:
         value, factor = factor, value
     if not isinstance(factor, float):
         context.findings.lost(
-            parameters.place, "no equal of the product of two textures; the second is left out"
+            parameters.place, "no support for the product of two textures; the second is left out"
         )
         return value
     return reflectance_times(value, factor)

@@ -149,11 +149,11 @@ def _held(given: Given, found: Parameter) -> Parameter:
 
 
 def _clear(given: Given) -> None:
-    """Factors of what glass reflects and lets through: only 1 has an equal."""
+    """Factors of what glass reflects and lets through: only 1 is supported."""
     for name in ("Kr", "Kt"):
         found = given.take(name)
         if found is not None and (found.type == "texture" or any(each != 1.0 for each in found.numbers())):
-            given.lose(f'no equal of a "{name}" other than 1 of glass')
+            given.lose(f'no support for a "{name}" other than 1 of glass')
 
 
 def _rough(given: Given, default: float) -> None:
@@ -168,7 +168,7 @@ def _rough(given: Given, default: float) -> None:
     for name in names:
         value = number_of(given.context, given.find(name))
         if value is None:
-            return  # a texture: the reader tells that there is no equal where it is remapped
+            return  # a texture: the reader reports that it is not supported where it is remapped
         alphas[name] = alpha_of(value, remap=is_remapped)
     for name, alpha in alphas.items():
         given.set("float", name, alpha)
@@ -215,7 +215,7 @@ def _light(given: Given) -> None:
     if tint is not None:
         values = tint.numbers(3) if tint.type == "rgb" else [1.0, 0.0, 0.0]
         if len(set(values)) > 1:
-            given.lose(f'no equal of a coloured "{main}" beside a picture; taken as white')
+            given.lose(f'no support for a coloured "{main}" beside a picture; taken as white')
         elif tint.type == "rgb":
             _multiply(given, values[0])
 
@@ -233,7 +233,7 @@ def _scale(given: Given, main: str) -> None:
             white = [1.0] * 3 if light is None else light.numbers(3)
             given.set("rgb", main, *(a * b for a, b in zip(values, white, strict=True)))
         else:
-            given.lose('no equal of a coloured "scale" beside a spectrum; taken as its mean')
+            given.lose('no support for a coloured "scale" beside a spectrum; taken as its mean')
             given.set("float", "scale", sum(values) / 3)
     if light is not None and light.type == "blackbody" and len(light.values) == 2:
         given.context.is_old = True

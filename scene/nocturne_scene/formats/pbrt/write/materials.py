@@ -46,7 +46,7 @@ _INTERFACE = directive("Material", quoted("interface"))
 def material(context: Context, surface: scene_pb2.Surface, body: Body | None, place: str) -> Material:
     """The material of a surface; those that are alike are written once."""
     if surface.HasField("back_kernel") and surface.back_kernel != surface.kernel:
-        context.findings.lost(f"{place}.kernel", "two different sides have no equal in pbrt")
+        context.findings.lost(f"{place}.kernel", "two different sides are not supported by pbrt")
     maker = _Maker(context, surface.interior if surface.HasField("interior") else -1, body, f"{place}.kernel")
     return maker.whole(surface.kernel)
 
@@ -127,16 +127,16 @@ class _Maker:
                 return ["dielectric", index, *self._roughness(kernel.dielectric.roughness)]
             case "thin_pane":
                 if self._table(kernel.thin_pane.transmittance).constant != 1.0:
-                    self._lost("a pane that absorbs has no equal in pbrt")
+                    self._lost("a pane that absorbs is not supported by pbrt")
                 return ["thindielectric", _index(self._table(kernel.thin_pane.index))]
             case "coated_diffuse":
                 return self._coated(kernel.coated_diffuse)
             case "null_kernel":
-                self._lost("a null kernel inside of a blend other than a mask has no equal in pbrt")
+                self._lost("a null kernel inside of a blend other than a mask is not supported by pbrt")
             case "coated_conductor" | "coated_dielectric":
-                self._lost("a coating has no equal in pbrt")
+                self._lost("a coating is not supported by pbrt")
             case model:
-                self._lost(f"the kernel {model} has no equal in pbrt")
+                self._lost(f"the kernel {model} is not supported by pbrt")
         return ["diffuse"]
 
     def _coated(self, coated: scene_pb2.CoatedDiffuse) -> list[str]:
@@ -159,7 +159,7 @@ class _Maker:
         if all(each.WhichOneof("source") != "texture" and each.constant == 0.0 for each in both):
             return []
         if roughness.beckmann:
-            self._lost("facets by Beckmann have no equal in pbrt")
+            self._lost("facets by Beckmann are not supported by pbrt")
         named = zip(("uroughness", "vroughness"), both, strict=True)
         return [*(self._scalar(name, each, False) for name, each in named), switch("remaproughness", False)]
 

@@ -41,5 +41,7 @@ def _sum(tables: list[Table]) -> Table:
 def _g(context: Context, phase: scene_pb2.PhaseFunction, place: str) -> float:
     if phase.WhichOneof("shape") == "henyey_greenstein":
         return phase.henyey_greenstein.g
-    context.findings.lost(place, "phase functions other than Henyey and Greenstein's have no equal in pbrt")
+    context.findings.lost(
+        place, "phase functions other than Henyey and Greenstein's are not supported by pbrt"
+    )
     return 0.0

@@ -98,7 +98,7 @@ def _camera(context: Context, film: Film, around: Body) -> list[str]:
 def _add_environment(context: Context) -> None:
     message = context.compiled.message
     if message.distant_discs:
-        context.findings.lost("$.distant", "discs at infinity have no equal in pbrt")
+        context.findings.lost("$.distant", "discs at infinity are not supported by pbrt")
     match message.environment.WhichOneof("radiance"):
         case "constant":
             radiance = light("L", context.compiled.table(message.environment.constant))

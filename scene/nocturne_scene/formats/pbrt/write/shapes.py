@@ -85,7 +85,7 @@ def _luminaire(
 ) -> str:
     context.compiled.refuse_other_luminaires(luminaire, surface.group, place)
     if made.is_interface or made.opacity:
-        context.findings.lost(place, "a luminaire that lets light through has no equal in pbrt")
+        context.findings.lost(place, "a luminaire that lets light through is not supported by pbrt")
     radiance = light("L", context.compiled.table(luminaire.radiance.spectrum))
     return directive("AreaLightSource", quoted("diffuse"), *radiance, switch("twosided", luminaire.two_sided))
 

@@ -1,5 +1,25 @@
-/** Where sources of glare are on a panorama's film, as outlines to draw. Pure. */
+/** A glare rating as text, and where its sources are on a panorama's film, as outlines to draw. Pure. */
+import { formatValue } from "../format.ts";
 import type { Glare, Outline, Render } from "../service/types.ts";
+
+/** The most pixels of which the service rates glare. */
+const mostPixels = 2 ** 22;
+
+/** Whether the service rates glare of such a render; of others it refuses to. */
+export function hasGlare({ sensor, width, height }: Pick<Render, "sensor" | "width" | "height">): boolean {
+  return sensor === "panorama" && width * height <= mostPixels;
+}
+
+export function glareText({ ugr, ugr_error: ugrError, dgp, dgp_error: dgpError, vertical_illuminance: lux, notes }: Glare): string {
+  const rating = ugr === null ? "UGR is not known" : `UGR ${withError(ugr.toFixed(1), ugrError)}`;
+  const probability = dgp === null ? "" : `, DGP ${withError(dgp.toFixed(3), dgpError)}`;
+  const limits = notes.length > 0 ? ` (${notes.join("; ")})` : "";
+  return `Glare for who looks at the middle: ${rating}${probability}, ${formatValue(lux, 4)} lx at the eye.${limits}`;
+}
+
+function withError(value: string, error: number | null): string {
+  return error === null ? value : `${value} ± ${formatValue(error, 2)}`;
+}
 
 const corners = 16;
 /** Smaller circles would not be seen, pixels of the film. */

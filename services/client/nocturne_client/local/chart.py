@@ -23,6 +23,8 @@ class Line:
 
     name: str
     points: Sequence[tuple[float, float]]
+    is_curve: bool = False
+    """Whether its points are not to be seen."""
 
 
 class _Axis:
@@ -80,7 +82,8 @@ def write_chart(path: Path, title: str, x_name: str, y_name: str, lines: Sequenc
         colour, dash = _COLOURS[number % len(_COLOURS)], _DASHES[number // len(_COLOURS)]
         places = [(x.at(a), y.at(b)) for a, b in line.points]
         parts.append(_path(places, colour, 2, dash))
-        parts += [f'<circle cx="{a}" cy="{b}" r="3.5" fill="{colour}"/>' for a, b in places]
+        if not line.is_curve:
+            parts += [f'<circle cx="{a}" cy="{b}" r="3.5" fill="{colour}"/>' for a, b in places]
         ends.append((places[-1][1], line.name, colour))
     heights = _apart([end[0] for end in ends], _TOP, bottom)
     for height, (_, name, colour) in zip(heights, ends, strict=True):

@@ -10,7 +10,7 @@ _SECONDS = 1.0
 _log = logging.getLogger(__name__)
 
 
-class SignOfLife:
+class Heartbeat:
     """Call it as often as convenient; it touches the file, if there is one, once a second."""
 
     def __init__(self, path: Path | None = None) -> None:

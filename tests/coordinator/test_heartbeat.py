@@ -4,14 +4,14 @@ import os
 import time
 from pathlib import Path
 
-from nocturne_coordinator.sign_of_life import SignOfLife
+from nocturne_coordinator.heartbeat import Heartbeat
 
 from tests.coordinator.service import RedisServer, Service, wait_until
 
 
 def test_it_is_touched_about_once_a_second(tmp_path: Path) -> None:
     file = tmp_path / "alive"
-    sign = SignOfLife(file)
+    sign = Heartbeat(file)
     sign()
     assert file.exists()
     os.utime(file, (0.0, 0.0))
@@ -21,7 +21,7 @@ def test_it_is_touched_about_once_a_second(tmp_path: Path) -> None:
 
 def test_long_work_is_told_of_beforehand(tmp_path: Path) -> None:
     file = tmp_path / "alive"
-    sign = SignOfLife(file)
+    sign = Heartbeat(file)
     sign()
     sign.busy(100.0)
     assert file.stat().st_mtime > time.time() + 90.0
@@ -30,7 +30,7 @@ def test_long_work_is_told_of_beforehand(tmp_path: Path) -> None:
 
 
 def test_a_folder_that_is_gone_does_not_end_the_loop(tmp_path: Path) -> None:
-    SignOfLife(tmp_path / "gone" / "alive")()
+    Heartbeat(tmp_path / "gone" / "alive")()
 
 
 def test_a_coordinator_keeps_its_file_fresh(tmp_path: Path) -> None:
