@@ -13,7 +13,44 @@ _TAKEN = frozenset("XYZRGBAn")
 LIGHT_PARTS = {part: tuple(f"{part}.{axis}" for axis in "XYZ") for part in ("direct", "indirect")}
 """Names of responses to a part of the light, by part."""
 
+LIGHT_GROUP_PATTERN = "^([A-Za-z][A-Za-z0-9_-]{0,30})?$"
+"""Of a light group's name; none: of no group."""
+
+REST = "rest"
+"""What lights without a group bring, beside groups."""
+
+TAKEN_LAYERS = frozenset(
+    {REST, *LIGHT_PARTS, *_TAKEN, "albedo", "N", "depth", "P", "id", "emission", "denoised", "difference"}
+)
+"""What can't be a light group's name: the part of a channel's name before its point means something else."""
+
+_GROUP = r"[A-Za-z][A-Za-z0-9_-]{0,30}"
+_OF_GROUPS = re.compile(rf"({_GROUP})\.[XYZ]|({_GROUP})\+({_GROUP})\.Y")
+
 _OF_PARTS = frozenset(name for names in LIGHT_PARTS.values() for name in names)
+
+
+def group_channels(group: str) -> tuple[str, str, str]:
+    """Names of the channels X, Y, Z of a light group."""
+    return f"{group}.X", f"{group}.Y", f"{group}.Z"
+
+
+def pair_channel(one: str, other: str) -> str:
+    """Of Y of two light groups together, whose error says how theirs go together."""
+    return f"{one}+{other}.Y"
+
+
+def counts_light_groups(name: str) -> bool:
+    """Whether a further response's name is one of light groups, or of parts of the light."""
+    return _OF_GROUPS.fullmatch(name) is not None
+
+
+def light_groups_in(names: Sequence[str]) -> list[str]:
+    """The light groups that further responses tell apart, in order; none: they tell none."""
+    found = (name.rpartition(".") for name in names if counts_light_groups(name))
+    return [
+        group for group, _, axis in found if axis == "Y" and "+" not in group and group not in LIGHT_PARTS
+    ]
 
 
 def name_problems(names: Sequence[str]) -> Iterator[str]:
@@ -23,7 +60,7 @@ def name_problems(names: Sequence[str]) -> Iterator[str]:
     for index, name in enumerate(names):
         if name in names[:index]:
             yield f"two responses are named {name!r}"
-        elif is_band(name) or name in _OF_PARTS:
+        elif is_band(name) or name in _OF_PARTS or counts_light_groups(name):
             continue
         elif not _NAME.fullmatch(name):
             yield (

@@ -35,7 +35,8 @@ _TOGETHER = frozenset(
 """How errors go together."""
 
 _MAX_PIXELS = 2**26
-_MAX_CHANNELS = 192
+# With errors of all further responses.
+_MAX_CHANNELS = 1200
 
 
 @dataclass(frozen=True)

@@ -41,8 +41,8 @@ from nocturne_scene.render_warnings import RenderWarning, from_messages, of_scen
 
 # Layouts of CompiledScene; raised with every change that an older worker would misread. The second one is
 # that of scenes whose sensor tells parts of the light, the third of those with a forward_ratio, the
-# fourth of those whose photons are guided.
-FORMAT, FORMAT_WITH_PARTS, FORMAT_WITH_RATIO, FORMAT_WITH_GUIDE = 3, 4, 5, 6
+# fourth of those whose photons are guided, the fifth of those whose responses tell light groups apart.
+FORMAT, FORMAT_WITH_PARTS, FORMAT_WITH_RATIO, FORMAT_WITH_GUIDE, FORMAT_WITH_LIGHT_GROUPS = 3, 4, 5, 6, 7
 
 
 def compile_scene(document: SceneDocument, blobs: BlobStore, film: Film | None = None) -> CompiledOutput:
@@ -164,6 +164,8 @@ def _put_tracing(
         message.format = FORMAT_WITH_RATIO
     if message.learned_light:
         message.format = FORMAT_WITH_GUIDE
+    if workspace.light_groups.names:
+        message.format = FORMAT_WITH_LIGHT_GROUPS
 
 
 def _refuse_distant_photons(workspace: Workspace) -> None:

@@ -23,7 +23,7 @@ from nocturne_scene.document.sensors import (
     ThinLens,
 )
 from nocturne_scene.meshes.similarity import Similarity
-from nocturne_scene.responses import LIGHT_PARTS
+from nocturne_scene.responses import LIGHT_PARTS, counts_light_groups
 from nocturne_scene.spectra import published
 
 _Direction = NDArray[np.float64]
@@ -45,6 +45,8 @@ _MODELS = {
 def compile_sensor(workspace: Workspace) -> scene_pb2.Sensor:
     """Return the sensor with orthonormal frames: right x up = -forward. Raises Unusable."""
     sensor = workspace.document.sensor
+    if workspace.light_groups.too_many:
+        raise Unusable(workspace.light_groups.too_many)
     first, *later = _poses(sensor, workspace.frame)
     workspace.report_motion(sensor.motion, 1 + len(later), "$.sensor")
     response = spectra.response(sensor.observer).astype(np.float32)
@@ -64,6 +66,7 @@ def compile_sensor(workspace: Workspace) -> scene_pb2.Sensor:
             *(_response(workspace, name) for name in sorted(sensor.responses)),
             *_band_responses(sensor.bands),
             *(_part_responses(response) if sensor.light_parts else ()),
+            *workspace.light_groups.responses(response),
         ],
         model=_MODELS[sensor.type],
     )
@@ -84,6 +87,8 @@ def unit(values: _Direction) -> _Direction:
 
 def _response(workspace: Workspace, name: str) -> scene_pb2.Response:
     spectrum = workspace.spectrum(workspace.document.sensor.responses[name])
+    if counts_light_groups(name):
+        raise Unusable("can't be a response's name: it means light of a light group", f".responses.{name}")
     values = spectra.response_curve(spectrum).astype(np.float32)
     if not values.any():
         raise Unusable(

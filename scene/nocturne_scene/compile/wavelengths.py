@@ -43,6 +43,7 @@ def _importance(sensor: scene_pb2.Sensor) -> Floats:
     importance = np.array(total, dtype=np.float64)
     for response in sensor.further_responses:
         values = np.array(response.values, dtype=np.float64)
-        if values.sum() > 0 and response.light == scene_pb2.LIGHT_PART_WHOLE:
+        of_all = response.light == scene_pb2.LIGHT_PART_WHOLE and not response.light_groups
+        if values.sum() > 0 and of_all:
             importance += values * (total.sum() / values.sum())
     return importance

@@ -20,7 +20,7 @@ namespace nocturne {
 namespace {
 
 /// Of scenes whose responses count parts of the light, which programs before it would not see.
-constexpr std::uint32_t kFormat = 3, kFormatWithLearnedLight = 6;
+constexpr std::uint32_t kFormat = 3, kFormatWithLightGroups = 7;
 // Of one spectrum, so that a scene's size says how much work it makes.
 constexpr int kMaxLines = 10'000;
 
@@ -53,9 +53,9 @@ Spectrum load_spectrum(const v1::Spectrum& message) {
 
 LoadContext make_context(const v1::CompiledScene& message, const FindBlob& find_blob,
                          std::stop_token stop) {
-  if (message.format() < kFormat || message.format() > kFormatWithLearnedLight) {
+  if (message.format() < kFormat || message.format() > kFormatWithLightGroups) {
     refuse("format " + std::to_string(message.format()) + "; this program reads formats " +
-           std::to_string(kFormat) + " to " + std::to_string(kFormatWithLearnedLight));
+           std::to_string(kFormat) + " to " + std::to_string(kFormatWithLightGroups));
   }
   LoadContext context{message, find_blob, stop, {}, {}, {}};
   for (const auto& s : message.spectra()) context.spectra.push_back(load_spectrum(s));
@@ -259,11 +259,13 @@ std::shared_ptr<Scene> load_scene(const v1::CompiledScene& message, const FindBl
     } else if (options.direction == Direction::kBoth) {
       require(sensor.is_camera(), "photons in both directions need a camera");
     }
+    require(message.ray_sets().empty() || options.direction == Direction::kForward,
+            "rays of a file, which only photons from the luminaires carry");
     if (options.direction != Direction::kAdjoint) {
       const bool distant = lights.environment() || !lights.discs().empty();
       require(!distant || everywhere.empty(),
               "photons of distant light, which can't start in unbounded media");
-      emitter = load_emitter(luminaires, lights, geometry, loaded.groups, sensor);
+      emitter = load_emitter(context, luminaires, lights, geometry, loaded.groups, sensor);
       luminaires_around = luminaire_surroundings(bodies, loaded.groups, luminaires);
     }
     auto specular_like = load_specular_like(message, kernels);

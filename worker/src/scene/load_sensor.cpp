@@ -8,7 +8,9 @@ namespace nocturne {
 namespace {
 
 // Partials would be too large to hand over.
-constexpr int kMaxFurtherResponses = 60;
+constexpr int kMaxFurtherResponses = 560;
+// More than responses could tell apart.
+constexpr std::uint32_t kMaxLightGroups = 1024;
 // Three for each of many lines.
 constexpr int kMaxKnots = 100'000;
 
@@ -76,6 +78,8 @@ Sensor load_sensor(const v1::Sensor& message) {
   });
 }
 
+namespace {
+
 LightPart light_part(v1::LightPart part) {
   switch (part) {
     case v1::LIGHT_PART_WHOLE:
@@ -90,11 +94,23 @@ LightPart light_part(v1::LightPart part) {
   refuse("a part of the light that this program doesn't know");
 }
 
+CountedLight counted_light(const v1::Response& response) {
+  const auto& groups = response.light_groups();
+  require(groups.empty() || response.light() == v1::LIGHT_PART_WHOLE,
+          "a response to a part of the light of light groups");
+  for (const std::uint32_t group : groups) {
+    require(group < kMaxLightGroups, "a light group of too large a number");
+  }
+  return {light_part(response.light()), {groups.begin(), groups.end()}};
+}
+
+}  // namespace
+
 WavelengthSampler load_wavelengths(const v1::Sensor& s) {
   require(s.wavelength_sampling() == v1::WAVELENGTH_SAMPLING_RESPONSE ||
               s.wavelength_sampling() == v1::WAVELENGTH_SAMPLING_UNIFORM,
           "a wavelength sampling that this program doesn't know");
-  require(s.further_responses_size() <= kMaxFurtherResponses, "more than 60 further responses");
+  require(s.further_responses_size() <= kMaxFurtherResponses, "more than 560 further responses");
   ResponseCurves curves{finite(s.response_first_nm(), "a wavelength"),
                         finite(s.response_step_nm(), "a wavelength step"),
                         curve(s.response_x()),
@@ -103,7 +119,7 @@ WavelengthSampler load_wavelengths(const v1::Sensor& s) {
                         {}};
   for (const auto& further : s.further_responses()) {
     curves.further.push_back(curve(further.values()));
-    curves.parts.push_back(light_part(further.light()));
+    curves.counted.push_back(counted_light(further));
   }
   return checked([&] {
     if (s.wavelength_knots_size() > 0 || s.wavelength_density_size() > 0) {

@@ -1,20 +1,53 @@
-"""Commands about lights: a goniometer."""
+"""Commands about lights: mixes of light groups, and a goniometer."""
 
 import os
+import tempfile
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from nocturne_client.cli.local_commands import Threads
+from nocturne_client.cli.measure_commands import Target, file_named
+from nocturne_client.cli.output import Url
 from nocturne_client.cli.scene_options import BandEdges, ScenePath, Settings, changes_of
 from nocturne_client.cli.stops import For, Stops, share
+from nocturne_client.client import Client
 from nocturne_client.errors import NocturneClientError
 
 
 def add_to(app: typer.Typer) -> None:
     """Adds these commands to the program."""
+    app.command()(mix)
     app.command()(goniometer)
+
+
+def mix(
+    target: Target,
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="OUT.exr", help="Where the image goes.", dir_okay=False)
+    ],
+    groups: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--group",
+            metavar="NAME=FACTOR",
+            help="A light group, and what its light is multiplied by; may be repeated. Others keep theirs.",
+        ),
+    ] = None,
+    url: Url = None,
+) -> None:
+    """Write the image with other amounts of light in its light groups, with errors; nothing is traced."""
+    from nocturne_client.local.mixing import mix_file
+
+    factors = dict(_factor(text) for text in groups or [])
+    file = file_named(target)
+    if file is not None:
+        mix_file(file, output, factors)
+    else:
+        with tempfile.TemporaryDirectory(prefix="nocturne-mix-") as folder, Client(url) as client:
+            mix_file(client.download(target, "exr", Path(folder) / "image.exr"), output, factors)
+    typer.echo(output)
 
 
 def goniometer(
@@ -83,3 +116,11 @@ def _point(text: str) -> list[float]:
     if len(found) != len("XYZ"):
         raise NocturneClientError(f"--centre {text}: expected X,Y,Z in metres, such as 0,2.5,0")
     return found
+
+
+def _factor(text: str) -> tuple[str, float]:
+    name, _, number = text.partition("=")
+    try:
+        return name.strip(), float(number)
+    except ValueError:
+        raise NocturneClientError(f"--group {text}: expected NAME=FACTOR, such as windows=0.3") from None

@@ -17,16 +17,20 @@ class RadianceEstimator {
   static constexpr Transport kTransport = Transport::kAdjoint;
 
   explicit RadianceEstimator(const Scene& scene)
-      : scene_(scene), tells_parts_(scene.wavelengths.tells_parts()) {}
+      : scene_(scene),
+        tells_parts_(scene.wavelengths.tells_parts()),
+        light_groups_(scene.wavelengths.light_groups()) {}
 
   /// The first tallies are the samples' own.
   void reset(std::size_t samples) {
     radiance_.assign(samples, {});
     if (tells_parts_) direct_.assign(samples, {});
+    of_groups_.assign(samples * light_groups_, {});
   }
   std::uint32_t add_tally() {
     radiance_.emplace_back();
     if (tells_parts_) direct_.emplace_back();
+    of_groups_.resize(of_groups_.size() + light_groups_);
     return static_cast<std::uint32_t>(radiance_.size() - 1);
   }
   bool found(std::uint32_t tally) const {
@@ -36,6 +40,9 @@ class RadianceEstimator {
   void take(std::size_t sample, std::uint32_t tally, const Spectral<N>& factor) {
     add_scaled(radiance_[sample], factor, radiance_[tally]);
     if (tells_parts_) add_scaled(direct_[sample], factor, direct_[tally]);
+    for (std::uint32_t light_group = 0; light_group < light_groups_; ++light_group) {
+      add_scaled(of_group(sample, light_group), factor, of_group(tally, light_group));
+    }
   }
 
   /// Its place in the environment where that was looked up.
@@ -44,8 +51,11 @@ class RadianceEstimator {
     if (nearly()) return nearly_meets(sample, group);
     if (hit != nullptr || !scene_.has_distant_light()) return;
     const auto past = [&](HiddenFrom hidden) { return sees_past(group, hidden); };
+    const auto each_group = [&](const auto& f) {
+      scene_.for_each_distant_group(group.ray.direction, sample.wavelengths, past, place, f);
+    };
     add_light(group, scene_.distant_radiance(group.ray.direction, sample.wavelengths, past, place),
-              place);
+              each_group, place);
   }
 
   void arrives(const BatchSample<N>& sample, const Group<N>& group, const Hit& hit) {
@@ -54,16 +64,19 @@ class RadianceEstimator {
     if (nearly()) return;
     if (sees_past(group, scene_.luminaires[luminaire].hidden_from)) return;
     if (brought_from_luminaire(group, hit.position)) return;
-    add_light(group, scene_.emitted(scene_.luminaires[luminaire], hit, -group.ray.direction,
-                                    sample.time, sample.wavelengths));
+    const Spectral<N> light = scene_.emitted(scene_.luminaires[luminaire], hit,
+                                             -group.ray.direction, sample.time, sample.wavelengths);
+    add_light(group, light,
+              [&](const auto& f) { f(scene_.luminaires[luminaire].light_group, light); });
   }
 
   /// No photon towards lights could have counted it.
   void glows(const BatchSample<N>& sample, const Group<N>& group, const Hit& hit) {
     if (scene_.options.least_radiance > 0.0f) return;
-    add(group.tally,
-        group.weight * scene_.medium(hit.surface).source(hit.position, sample.wavelengths),
-        meets_direct_light(group));
+    const Spectral<N> found =
+        group.weight * scene_.medium(hit.surface).source(hit.position, sample.wavelengths);
+    add(group.tally, found, meets_direct_light(group));
+    if (light_groups_ > 0) add_of_group(group.tally, kUngrouped, found);
   }
 
   void add(std::uint32_t tally, const Spectral<N>& found, bool direct) {
@@ -71,18 +84,30 @@ class RadianceEstimator {
     if (tells_parts_ && direct) add_to(direct_[tally], found);
   }
 
+  /// What of it is of a light group; only where these are told apart.
+  void add_of_group(std::uint32_t tally, std::uint32_t light_group, const Spectral<N>& found) {
+    add_to(of_group(tally, light_group), found);
+  }
+
   /// What each photon of a sample found: an estimate of spectral radiance at its wavelength, W m-2
   /// sr-1 nm-1.
   Spectral<N> radiance(std::size_t sample) const { return rounded(radiance_[sample]); }
 
-  /// What of it is direct; nothing where no response asks.
-  Spectral<N> direct_radiance(std::size_t sample) const {
-    return tells_parts_ ? rounded(direct_[sample]) : Spectral<N>(0.0f);
+  /// What of it is of some light groups, or else direct; for what responses count alone.
+  Spectral<N> radiance(std::size_t sample, const CountedLight& light) const {
+    if (light.groups.empty()) return rounded(direct_[sample]);
+    Tally sum{};
+    for (const std::uint32_t light_group : light.groups) {
+      add_scaled(sum, Spectral<N>(1.0f), of_group(sample, light_group));
+    }
+    return rounded(sum);
   }
 
  private:
   using Tally = std::array<double, N>;
   using Gathered = TracingOptions::Gathered;
+  // The light group of what was given none.
+  static constexpr std::uint32_t kUngrouped = 0;
 
   static void add_to(Tally& sum, const Spectral<N>& found) {
     for (std::size_t i = 0; i < N; ++i) sum[i] += static_cast<double>(found[i]);
@@ -137,8 +162,16 @@ class RadianceEstimator {
            Transport::kForward;
   }
 
-  // With the MIS weight of the technique that met it.
-  void add_light(const Group<N>& group, const Spectral<N>& light,
+  Tally& of_group(std::size_t tally, std::uint32_t light_group) {
+    return of_groups_[tally * light_groups_ + light_group];
+  }
+  const Tally& of_group(std::size_t tally, std::uint32_t light_group) const {
+    return of_groups_[tally * light_groups_ + light_group];
+  }
+
+  // With the MIS weight of the technique that met it. `each_group(f)`: f(light group, its light).
+  template <class EachGroup>
+  void add_light(const Group<N>& group, const Spectral<N>& light, const EachGroup& each_group,
                  const LightDirections::SkyPlace& place = {}) {
     if (!counts_for(group)) return;
     if (largest(light) < scene_.options.least_radiance) return;
@@ -157,11 +190,17 @@ class RadianceEstimator {
       found *= by_kernel ? power_share(kernel, lights) : power_share(lights, kernel) / lights;
     }
     add(group.tally, found, meets_direct_light(group));
+    if (light_groups_ == 0) return;
+    each_group([&](std::uint32_t light_group, const Spectral<N>& part) {
+      add_of_group(group.tally, light_group, found * ratio(part, light));
+    });
   }
 
   const Scene& scene_;
   const bool tells_parts_;
+  const std::uint32_t light_groups_;
   std::vector<Tally> radiance_, direct_;  // by tally
+  std::vector<Tally> of_groups_;          // by tally, then light group
 };
 
 }  // namespace nocturne

@@ -1,0 +1,80 @@
+"""Light groups: lights that are told apart by further responses, so that they can be dimmed afterwards."""
+
+from collections.abc import Iterator
+from functools import cached_property
+from itertools import combinations
+
+import numpy as np
+from nocturne.v1 import scene_pb2
+from numpy.typing import NDArray
+
+from nocturne_scene.document.model import SceneDocument
+from nocturne_scene.document.surfaces import Surface
+from nocturne_scene.limits import MAX_FURTHER_RESPONSES
+from nocturne_scene.responses import REST, group_channels, pair_channel
+
+UNGROUPED = 0
+"""Number of lights without a group."""
+
+
+class LightGroups:
+    """Of a document, numbered from 1 on in the order of their names."""
+
+    def __init__(self, document: SceneDocument) -> None:
+        self._document = document
+
+    @cached_property
+    def names(self) -> list[str]:
+        """Those that lights name."""
+        return sorted({name for name in self._named() if name})
+
+    def number(self, name: str) -> int:
+        """In the compiled scene."""
+        return self.names.index(name) + 1 if name else UNGROUPED
+
+    @property
+    def told_apart(self) -> dict[str, int]:
+        """Numbers by name, with the rest last if it has light; empty where no light names a group."""
+        if not self.names:
+            return {}
+        numbered = {name: self.number(name) for name in self.names}
+        has_rest = "" in self._named() or any(
+            getattr(medium, "temperature", None) is not None for medium in self._document.media.values()
+        )
+        return numbered | ({REST: UNGROUPED} if has_rest else {})
+
+    @property
+    def too_many(self) -> str:
+        """Why so many can't be told apart, in words; empty: they can."""
+        count = len(self.told_apart)
+        needed = 3 * count + count * (count - 1) // 2
+        if needed <= MAX_FURTHER_RESPONSES:
+            return ""
+        return (
+            f"{count} light groups need {needed} further channels, 3 for each and one for each pair; at most "
+            f"{MAX_FURTHER_RESPONSES}"
+        )
+
+    def responses(self, observer: NDArray[np.float32]) -> Iterator[scene_pb2.Response]:
+        """X, Y and Z of each group, and Y of each two together: from their errors follows how far what they
+        bring goes together, as Var(a + b) = Var a + Var b + 2 Cov(a, b)."""
+        curves = [observer[:, axis].tolist() for axis in range(3)]
+        numbers = self.told_apart
+        for group, number in numbers.items():
+            for name, curve in zip(group_channels(group), curves, strict=True):
+                yield scene_pb2.Response(name=name, values=curve, light_groups=[number])
+        for one, other in combinations(numbers, 2):
+            pair = [numbers[one], numbers[other]]
+            yield scene_pb2.Response(name=pair_channel(one, other), values=curves[1], light_groups=pair)
+
+    def _named(self) -> Iterator[str]:
+        """By all lights; "" of those that are in none."""
+        document = self._document
+        members = (member for group in document.groups.values() for member in group)
+        for surface in (*document.surfaces, *members):
+            if isinstance(surface, Surface) and surface.luminaire is not None:
+                yield surface.luminaire.light_group
+        if document.environment is not None:
+            yield document.environment.light_group
+        for disc in document.distant:
+            yield disc.light_group
