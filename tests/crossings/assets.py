@@ -4,6 +4,7 @@ import json
 import struct
 import subprocess
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -13,13 +14,15 @@ import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import trimesh
 from nocturne_client.local.programs import need_program
 from nocturne_scene.meshes.placements import write_placements
+from nocturne_scene.photometry import ies, tm33
 
 TEXTURES = ("grey.png", "colour.png", "colour.exr")
 """Texels lie in 0.2 to 0.9."""
 HEIGHTS, NORMALS = "heights.png", "normals.png"
 SKY = "sky.exr"
 MEASURED = "measured.table"
-PROFILE = "lamp.ies"
+PROFILES = ("lamp.ies", "type_b.ies", "lamp.xml")
+"""Photometric files: type C, type B, and TM-33 with a spectrum."""
 GRIDS = "smoke.vdb"
 PLACEMENTS = "placements.ply"
 MESHES = ("ball.obj", "ball.ply", "ball.stl", "ball.gltf", "ball.glb")
@@ -44,7 +47,11 @@ def write(folder: Path) -> None:
     _image(folder / NORMALS, 0.5 + 0.5 * normals / np.linalg.norm(normals, axis=-1, keepdims=True))
     _sky(folder / SKY, random)
     _measured(folder / MEASURED, random)
-    (folder / PROFILE).write_text(_IES)
+    (folder / PROFILES[0]).write_text(_IES)
+    (folder / PROFILES[1]).write_text(_TYPE_B)
+    lamp = ies.read(_IES.encode())
+    light = np.array([400.0, 550.0, 700.0]), np.array([0.4, 1.0, 0.6])
+    (folder / PROFILES[2]).write_bytes(tm33.write(replace(lamp, spectrum=light)))
     table = np.zeros((2, 8))
     table[:, :3] = [[-0.65, 0.0, 0.1], [0.65, 0.0, 0.0]]
     table[:, 3] = [0.9, 1.0]
@@ -81,6 +88,16 @@ def _measured(path: Path, random: np.random.Generator) -> None:
     path.write_bytes(head + values.astype("<f4").tobytes())
 
 
+_TYPE_B = """IESNA:LM-63-2002
+TILT=NONE
+1 -1 1 3 3 2 2 0.3 0.3 0
+1 1 10
+-90 0 90
+-90 10 90
+20 60 30
+50 200 80
+10 90 20
+"""
 _IES = """IESNA:LM-63-2002
 [MANUFAC] Nobody
 TILT=NONE

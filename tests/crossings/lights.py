@@ -37,6 +37,7 @@ def in_group(made: Document, *, still: bool) -> Document:
         kept.pop(name, None)
     if "asset" in kept.get("profile", {}):
         del kept["profile"]
+        kept.setdefault("radiance", _LUMINANCE / 500.0)
     return made | {"luminaire": kept}
 
 
@@ -69,6 +70,9 @@ def luminaire(draft: Draft, level: float = _LUMINANCE) -> Document:
             made["exitance"] = chance.factor(1000.0, 4000.0)
         case 3 if not varies:
             made["profile"] = _photometric(draft)
+            if made["profile"]["asset"].endswith(".xml") and chance.maybe(0.5):
+                # The file's own.
+                del made["radiance"]
     if chance.maybe(0.15) and "profile" not in made:
         made["profile"] = {"cosine_power": chance.number(0.0, 4.0)}
     if chance.maybe(0.5):
@@ -81,7 +85,7 @@ def luminaire(draft: Draft, level: float = _LUMINANCE) -> Document:
 
 def _photometric(draft: Draft) -> Document:
     chance = draft.chance
-    made: Document = {"asset": assets.PROFILE}
+    made: Document = {"asset": chance.pick(list(assets.PROFILES))}
     if chance.maybe(0.5):
         made["lumens"] = chance.factor(500.0, 2000.0)
     if chance.maybe(0.5):

@@ -255,7 +255,7 @@ def _put_lamp_twice(draft: Draft, document: Document) -> None:
     """Once in a ball of a medium; it may grow there."""
     chance = draft.chance
     draft.situations.add("a lamp in two media")
-    group = draft.name("groups", [in_group(lamp(draft, [0.0, 0.0, 0.0], 0.2))])
+    group = draft.name("groups", [in_group(lamp(draft, [0.0, 0.0, 0.0], 0.2), still=False)])
     for x in (-0.8, 0.8):
         instance: Document = {"group": group, "translate": [x, 1.9, -0.8]}
         if chance.maybe(0.4):
