@@ -2,7 +2,7 @@
 
 import numpy as np
 import numpy.typing as npt
-from nocturne_scene.tile_sums import XYZ_SUMS, TileSums, block_sums, blocks_in
+from nocturne_scene.tile_sums import XYZ_SUMS, TileSums, block_sums, blocks_in, factors_of_tile
 
 Values = npt.NDArray[np.float64]
 
@@ -18,7 +18,9 @@ def sums_of(samples: Values) -> TileSums:
     sums.block_products[...] = _products(blocks.reshape(-1, blocks_in(height), blocks_in(width), 3)).sum(
         axis=0
     )
-    sums.tile_products[...] = _products(blocks.sum(axis=(1, 2))).sum(axis=0)
+    of_tile = samples.sum(axis=(1, 2))
+    one, other = factors_of_tile(values - 3)
+    sums.tile_products[...] = (of_tile[:, one] * of_tile[:, other]).sum(axis=0)
     return sums
 
 
@@ -38,7 +40,10 @@ def sums_of_independent(first: Values, spread: Values, samples: int) -> TileSums
     noise = block_sums(squares - _products(first[..., :3]) / samples)
     blocks = block_sums(first[..., :3])
     sums.block_products[...] = _products(blocks) / samples + noise
-    sums.tile_products[...] = _products(blocks.sum(axis=(0, 1))) / samples + noise.sum(axis=(0, 1))
+    one, other = factors_of_tile(values - 3)
+    of_tile = first.sum(axis=(0, 1))
+    of_noise = (first[..., one] * first[..., other] * (scale - 1.0 / samples)).sum(axis=(0, 1))
+    sums.tile_products[...] = of_tile[one] * of_tile[other] / samples + of_noise
     return sums
 
 

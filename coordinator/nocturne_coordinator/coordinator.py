@@ -69,6 +69,7 @@ class Coordinator:
         self._mirrored: tuple[WorkerRow, ...] = ()
         self._seen_changes = -1
         self._next_look = 0.0
+        self._asked_to_look = False
         self._next_follow = 0.0
         self._next_mirror = 0.0
 
@@ -88,9 +89,16 @@ class Coordinator:
             _log.info("the leases on renders run out by themselves: %s", trouble)
         _log.info("stopped; %d renders wait to be resumed", len(self.core.state.renders))
 
+    def look_again(self) -> None:
+        """At the data folder, in the next turn of the loop."""
+        self._asked_to_look = True
+
     def round(self) -> None:
         """One turn of the loop, with the pause after it."""
         begun = self._clock.moment().now
+        if self._asked_to_look:
+            self._asked_to_look, self._executor.wants_look, self._next_look = False, True, begun
+            _log.info("looks at the data folder again, as SIGHUP asks")
         if begun >= self._next_look:
             self._look_at_folder()
             looked = self._clock.moment().now

@@ -25,6 +25,9 @@ NocturneError
     +-- ObjectDamaged       its data differ from those that were stored
 """
 
+import shutil
+import tempfile
+from contextlib import suppress
 from pathlib import Path
 from typing import Self
 
@@ -71,12 +74,31 @@ class LeaseLost(NocturneError):
         self.render_id = render_id
 
 
+_ROOM = 2**20
+
+
+def _free(folder: Path) -> int:
+    """Bytes on its disk; 0 where it is not there."""
+    try:
+        return shutil.disk_usage(folder).free
+    except OSError:
+        return 0
+
+
 class UnusableFolder(NocturneError):
     """The data folder was written by another version of the program, is damaged, or can't be written."""
 
     @classmethod
     def because(cls, folder: Path, trouble: Exception) -> Self:
         """What the system or SQLite says that passes: no rights, no space, another file in its place."""
+        if "full" in str(trouble) and _free(folder) >= _ROOM:
+            # Python refuses to name a folder that it can't write to.
+            with suppress(FileNotFoundError):
+                temporary = Path(tempfile.gettempdir())
+                if _free(temporary) < _ROOM:
+                    return cls(
+                        f"{temporary} is full, where temporary files go ({trouble}): make room, or set TMPDIR"
+                    )
         return cls(f"{folder} can't be used ({trouble}); see to its rights and to the space on its disk")
 
 

@@ -24,7 +24,16 @@ from typing import IO, Any
 
 from nocturne.v1 import job_pb2
 
-from nocturne_coordinator.dispatch import events, instructions, liveness, records, region, state, stopping
+from nocturne_coordinator.dispatch import (
+    error_estimate,
+    events,
+    instructions,
+    liveness,
+    records,
+    region,
+    state,
+    stopping,
+)
 from nocturne_coordinator.dispatch.instructions import Instruction, ReadTiles, Steps
 from nocturne_coordinator.dispatch.scheduler import JobKey
 from nocturne_coordinator.errors import FolderTrouble, LeaseLost, QueueError
@@ -36,7 +45,7 @@ MAX_BYTES = 2**30
 
 _CLASSES = {
     each.__name__: each
-    for module in (events, instructions, liveness, records, region, state, stopping)
+    for module in (error_estimate, events, instructions, liveness, records, region, state, stopping)
     for each in vars(module).values()
     if isinstance(each, type) and dataclasses.is_dataclass(each)
 }

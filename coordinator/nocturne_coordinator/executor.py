@@ -103,7 +103,8 @@ class Executor:
                 self._previews.write_thumbnail(self._renders[instruction.render_id])
                 return self._clock.moment()
             case do.MakePictures():
-                return self._previews.are_ready(self._renders[instruction.render_id])
+                render = self._renders[instruction.render_id]
+                return self._previews.made(render, instruction.final, self._clock.moment)
             case do.WriteImage():
                 self._previews.write_image(self._renders[instruction.render_id])
                 return self._clock.moment()

@@ -40,6 +40,20 @@ MAX_RUNNING_SUMS = 2**28
 """Numbers that the running renders of an owner who is alone may hold, 8 bytes each: 2 GiB. All owners hold
 less than twice that, as nobody may hold more than half of what the others leave."""
 
+SUMS_PART_OF_MEMORY = 0.4
+"""Of the coordinator's memory, that all those sums may take where it has little."""
+
+PICTURE_BYTES = 112
+"""For each pixel, that the process which makes the pictures of a large film needs beside a copy of its sums:
+25 channels of an EXR, the numbers of samples, and some rows as they are made."""
+
+MEMORY_BESIDE = 2**29
+"""Bytes of the coordinator's memory for all but films: libraries, and results that wait."""
+
+MAX_LOOKED_AT_PIXELS = 2**21
+"""Of films whose error and live picture the coordinator finds itself, in half a second of 1920 x 1080. Of
+larger ones a process does, while results of all are merged."""
+
 MAX_NEXT_OF_OWNER = 2 * MAX_RUNNING
 """Queued renders of one owner that the coordinator looks at: more can't be taken up at once, and an owner may
 have thousands."""

@@ -23,6 +23,7 @@ from nocturne_coordinator.dispatch.state import COMMIT_SECONDS, Settings
 from nocturne_coordinator.errors import AlreadyOwned, OwnershipLost, QueueError, QueueTaken, UnusableFolder
 from nocturne_coordinator.event_log import EventLog
 from nocturne_coordinator.log_lines import write_log_lines
+from nocturne_coordinator.memory import memory_bytes
 from nocturne_coordinator.output.previews import Previews
 from nocturne_coordinator.queue.guard import Guard
 from nocturne_coordinator.queue.job_queue import JobQueue, Session
@@ -40,12 +41,14 @@ _log = logging.getLogger("nocturne_coordinator")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Runs until SIGTERM or SIGINT; gives the exit code."""
+    """Runs until SIGTERM or SIGINT; gives the exit code. SIGHUP has it look at the data folder at once."""
     options = _parser().parse_args(arguments)
     write_log_lines(options.log_level, "coordinator")
     stop = threading.Event()
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: stop.set())
+    # Until it works there is nothing to look at.
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)
     try:
         _run(options, stop)
     except (AlreadyOwned, QueueTaken) as error:
@@ -206,6 +209,7 @@ def _run(options: argparse.Namespace, stop: threading.Event) -> None:
             options.audit_share_new,
             options.job_seconds,
             options.enrolled,
+            memory_bytes(),
         )
         ledger = Ledger(folder.database, ownership)
         if options.checkpoint_seconds > 0.0:
@@ -216,7 +220,10 @@ def _run(options: argparse.Namespace, stop: threading.Event) -> None:
             event_log = _open_event_log(options.event_log, settings, ledger)
         alive = SignOfLife(options.alive)
         previews = Previews(folder, ledger, alive)
-        Coordinator(folder, ledger, previews, queue, session, settings, Clock(stop), event_log).run(alive)
+        clock = Clock(stop)
+        coordinator = Coordinator(folder, ledger, previews, queue, session, settings, clock, event_log)
+        signal.signal(signal.SIGHUP, lambda *_: coordinator.look_again())
+        coordinator.run(alive)
     finally:
         if event_log is not None:
             event_log.close()

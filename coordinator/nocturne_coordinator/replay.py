@@ -58,6 +58,8 @@ def _one(core: Core, event: Any, number: int, ahead: "_Lines", say: bool) -> int
             if kind != "did" or then != found:
                 raise Differs(f"event {number}, {type(event).__name__}: now {found[0]}, then {then}")
             count += 1
+            if ahead.is_over():
+                return count
             if say and isinstance(instruction, Log):
                 print(f"{event.at.unix:.3f} {instruction.message}")  # noqa: T201
             kind, answer = ahead.answer()

@@ -9,8 +9,8 @@ MAX_FILM_PIXELS = 2**26
 """Of an image with X, Y and Z only: the coordinator holds 32 bytes of sums per pixel in memory while a render
 runs, 2 GiB here. Every further response costs 8 bytes more, and so pixels."""
 
-MAX_FURTHER_RESPONSES = 560
-"""With those, the result of a tile of 4 x 4 pixels has 141 KiB. They tell 31 light groups apart."""
+MAX_FURTHER_RESPONSES = 60
+"""With those, a pixel has 64 sums and the smallest tile's partial fills 32 KiB."""
 
 MAX_FORWARD_PIXELS = 4096**2
 """With photons from luminaires: a worker's thread holds the sums of the whole film, 1.2 GiB here."""

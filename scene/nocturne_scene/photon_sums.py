@@ -13,13 +13,13 @@ from nocturne_scene.ranges import PHOTON_BUNDLE
 from nocturne_scene.tile_sums import (
     PAIR_FIRST,
     PAIR_SECOND,
-    PRODUCTS,
     PRODUCTS_SQUARES,
     XYZ_SUMS,
     TileSums,
     Values,
     block_sums,
-    blocks_in,
+    factors_of_tile,
+    numbers_in,
     split,
     sums_per_pixel,
     tile_sums,
@@ -52,9 +52,7 @@ class PackedPhotons:
 
 def decode_photon_sums(data: bytes, width: int, height: int, further: int, tiles: int) -> TileSums:
     """A photon range's sums of a film of so many tiles; ValueError where `data` is none."""
-    numbers = np.zeros(
-        width * height * sums_per_pixel(further) + PRODUCTS * (blocks_in(width) * blocks_in(height) + tiles)
-    )
+    numbers = np.zeros(numbers_in(width, height, further, tiles))
     sums = split(numbers, width, height, further, tiles)
     kinds = list(_kinds(sums, further))
     expected = sum(kind.size * size for kind, size in kinds)
@@ -84,7 +82,7 @@ def _kinds(sums: TileSums, further: int) -> Iterator[tuple[Values, int]]:
         is_value = channel < _XYZ or XYZ_SUMS <= channel < XYZ_SUMS + further
         yield sums.pixels[..., channel], _VALUE_BYTES if is_value else _PRODUCT_BYTES
     for products in (sums.block_products, sums.tile_products):
-        for channel in range(PRODUCTS):
+        for channel in range(products.shape[-1]):
             yield products[..., channel], _PRODUCT_BYTES
 
 
@@ -119,12 +117,13 @@ def with_photons(film: TileSums, samples: int, photons: TileSums, bundles: int, 
         theirs[..., their_squares],
         (theirs[..., further],) * 2,
     )
-    blocks, photon_blocks = block_sums(ours[..., values]), block_sums(theirs[..., values])
+    all_values = [*range(_XYZ), *range(XYZ_SUMS, squares)]
+    blocks, photon_blocks = block_sums(ours[..., all_values]), block_sums(theirs[..., all_values])
     size = max(ours.shape[:2])
     return TileSums(
         pixels,
         both.products_of_xyz(blocks, film.block_products, photon_blocks, photons.block_products),
-        both.products_of_xyz(
+        both.products_of_all(
             tile_sums(blocks, size)[0],
             film.tile_products,
             tile_sums(photon_blocks, size)[0],
@@ -153,6 +152,18 @@ class _Independent(NamedTuple):
         of_film = film - film_a * film_b / self.samples
         of_photons = photons - photon_a * photon_b / self.photons
         return whole + of_film + (self.samples - 1.0) / self.samples * (self.scale * self.scale) * of_photons
+
+    def products_of_all(
+        self, values: Values, products: Values, photon_values: Values, of_photons: Values
+    ) -> Values:
+        """A tile's products, with those of further responses."""
+        one, other = factors_of_tile(values.shape[-1] - _XYZ)
+        return self.products(
+            products,
+            (values[..., one], values[..., other]),
+            of_photons,
+            (photon_values[..., one], photon_values[..., other]),
+        )
 
     def products_of_xyz(
         self, xyz: Values, products: Values, photon_xyz: Values, of_photons: Values

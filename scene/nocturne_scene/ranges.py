@@ -13,7 +13,7 @@ from nocturne.v1 import job_pb2
 from nocturne_scene import limits
 from nocturne_scene.errors import InputError, Problem
 from nocturne_scene.responses import name_problems
-from nocturne_scene.tile_sums import XYZ_SUMS, numbers_in, sums_per_pixel
+from nocturne_scene.tile_sums import PRODUCTS, XYZ_SUMS, numbers_in, products_of_tile, sums_per_pixel
 
 TILE_SIZE = 32
 """Pixels: a result has 32 x 32 x 9 sums x 8 bytes = 72 KiB, and 3 KiB of blocks."""
@@ -256,7 +256,7 @@ def _edge_problems(place: str, edge: int) -> list[Problem]:
 
 def _tile_size(further: int) -> int:
     size = TILE_SIZE
-    while 8 * numbers_in(size, size, further) > _MAX_PARTIAL:
+    while 8 * (numbers_in(size, size, further) - products_of_tile(further) + PRODUCTS) > _MAX_PARTIAL:
         size //= 2
     return size
 

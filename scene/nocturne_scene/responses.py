@@ -24,20 +24,17 @@ TAKEN_LAYERS = frozenset(
 )
 """What can't be a light group's name: the part of a channel's name before its point means something else."""
 
-_GROUP = r"[A-Za-z][A-Za-z0-9_-]{0,30}"
-_OF_GROUPS = re.compile(rf"({_GROUP})\.[XYZ]|({_GROUP})\+({_GROUP})\.Y")
+_OF_GROUPS = re.compile(r"([A-Za-z][A-Za-z0-9_-]{0,30})\.[XYZ]")
 
-_OF_PARTS = frozenset(name for names in LIGHT_PARTS.values() for name in names)
+COLOUR = tuple(f"colour.{number:02d}" for number in range(43))
+"""Names of responses that tell a light's colour, by wavelength; what they are: `spectra.colour_basis`."""
+
+_OF_SENSORS = frozenset(name for names in LIGHT_PARTS.values() for name in names) | frozenset(COLOUR)
 
 
 def group_channels(group: str) -> tuple[str, str, str]:
     """Names of the channels X, Y, Z of a light group."""
     return f"{group}.X", f"{group}.Y", f"{group}.Z"
-
-
-def pair_channel(one: str, other: str) -> str:
-    """Of Y of two light groups together, whose error says how theirs go together."""
-    return f"{one}+{other}.Y"
 
 
 def counts_light_groups(name: str) -> bool:
@@ -48,9 +45,7 @@ def counts_light_groups(name: str) -> bool:
 def light_groups_in(names: Sequence[str]) -> list[str]:
     """The light groups that further responses tell apart, in order; none: they tell none."""
     found = (name.rpartition(".") for name in names if counts_light_groups(name))
-    return [
-        group for group, _, axis in found if axis == "Y" and "+" not in group and group not in LIGHT_PARTS
-    ]
+    return [group for group, _, axis in found if axis == "Y" and group not in LIGHT_PARTS]
 
 
 def name_problems(names: Sequence[str]) -> Iterator[str]:
@@ -60,7 +55,7 @@ def name_problems(names: Sequence[str]) -> Iterator[str]:
     for index, name in enumerate(names):
         if name in names[:index]:
             yield f"two responses are named {name!r}"
-        elif is_band(name) or name in _OF_PARTS or counts_light_groups(name):
+        elif is_band(name) or name in _OF_SENSORS or counts_light_groups(name):
             continue
         elif not _NAME.fullmatch(name):
             yield (

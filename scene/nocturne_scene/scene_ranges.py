@@ -5,6 +5,7 @@ from nocturne.v1 import job_pb2, scene_pb2
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.quantities import quantity_of
 from nocturne_scene.ranges import ForwardPhotons, make_schedule
+from nocturne_scene.spectra.wavelength_range import VISIBLE, WavelengthRange
 
 _FORWARD_PHOTONS = {
     scene_pb2.DIRECTION_ADJOINT: ForwardPhotons.NONE,
@@ -35,6 +36,23 @@ def schedule_of(
         forward_ratio=scene.tracing.forward_ratio,
     )
     schedule.quantity = quantity_of(scene.sensor).name
+    within = range_of(scene.sensor)
+    if not within.is_usual:
+        schedule.first_nm, schedule.last_nm = within.first, within.last
     schedule.way = scene.tracing.way
+    schedule.instruments = scene.sensor.instruments
     schedule.warnings.extend(scene.tracing.warnings)
     return schedule
+
+
+def wavelengths_of(schedule: job_pb2.RangeSchedule) -> WavelengthRange:
+    """The wavelengths of a schedule's scene."""
+    if not schedule.last_nm:
+        return VISIBLE
+    return WavelengthRange(schedule.first_nm, schedule.last_nm)
+
+
+def range_of(sensor: scene_pb2.Sensor) -> WavelengthRange:
+    """The wavelengths of a compiled scene."""
+    first = sensor.response_first_nm
+    return WavelengthRange(first, first + (len(sensor.response_y) - 1) * sensor.response_step_nm)

@@ -55,7 +55,8 @@ class TileSums:
     block_products: Values
     """Shape (blocks down, blocks across, PRODUCTS), of what each block's pixels together have."""
     tile_products: Values
-    """Shape (1, PRODUCTS): the same of the whole tile; of a film, a row for each of its tiles."""
+    """Shape (1, products_of_tile): the same of the whole tile, then the products of each further response
+    with X, Y, Z, those before it and itself; of a film, a row for each of its tiles."""
 
     def encode(self) -> bytes:
         """Float64, little endian: pixels, blocks, tile."""
@@ -67,7 +68,7 @@ class TileSums:
         return cls(
             np.zeros((height, width, sums_per_pixel(further))),
             np.zeros((blocks_in(height), blocks_in(width), PRODUCTS)),
-            np.zeros((1, PRODUCTS)),
+            np.zeros((1, products_of_tile(further))),
         )
 
     def __iadd__(self, other: "TileSums") -> Self:
@@ -90,18 +91,37 @@ class TileSums:
         return self.pixels, self.block_products, self.tile_products
 
 
-def numbers_in(width: int, height: int, further: int) -> int:
-    """How many a tile has."""
-    return width * height * sums_per_pixel(further) + PRODUCTS * (blocks_in(width) * blocks_in(height) + 1)
+def products_of_tile(further: int) -> int:
+    """Of what a tile's pixels together have, with so many further responses."""
+    return PRODUCTS + further * (further + 7) // 2
+
+
+def factors_of_tile(further: int) -> tuple[list[int], list[int]]:
+    """Of each of a tile's products, the places of its factors in X, Y, Z and further responses."""
+    last, values = len("XYZ"), len("XYZ") + further
+    pairs = [(a, b) for a in range(last, values) for b in range(a + 1)]
+    return (
+        [*PRODUCTS_SQUARES, *PAIR_FIRST, *(a for a, _ in pairs)],
+        [*PRODUCTS_SQUARES, *PAIR_SECOND, *(b for _, b in pairs)],
+    )
+
+
+def numbers_in(width: int, height: int, further: int, tiles: int = 1) -> int:
+    """How many a tile has, or a film of so many tiles."""
+    blocks = blocks_in(width) * blocks_in(height)
+    return width * height * sums_per_pixel(further) + PRODUCTS * blocks + products_of_tile(further) * tiles
 
 
 def decode(data: bytes, width: int, height: int, further: int) -> TileSums:
     """What `encode` gave; ValueError where it is no such tile's.
 
-    Of a tile from before there were errors of all quantities, unknown values are NaN.
+    Of a tile from before there were errors of all quantities, or products of responses, unknown values are
+    NaN.
     """
     found = np.frombuffer(data, dtype="<f8")
-    pixels = width * height
+    pixels, products = width * height, products_of_tile(further) - PRODUCTS
+    if products and found.size == numbers_in(width, height, further) - products:
+        found = np.append(found, np.full(products, np.nan))
     if found.size == pixels * (_XYZ_SUMS_BEFORE + further):
         found = _from_before(found.reshape(pixels, -1), width, height, further)
     if found.size != numbers_in(width, height, further):
@@ -112,11 +132,11 @@ def decode(data: bytes, width: int, height: int, further: int) -> TileSums:
 def split(numbers: Values, width: int, height: int, further: int, tiles: int = 1) -> TileSums:
     """Views into as many numbers as a tile has, or a film of so many tiles."""
     per_pixel = sums_per_pixel(further)
-    end = width * height * per_pixel
+    end, of_tiles = width * height * per_pixel, products_of_tile(further) * tiles
     return TileSums(
         numbers[:end].reshape(height, width, per_pixel),
-        numbers[end : -PRODUCTS * tiles].reshape(blocks_in(height), blocks_in(width), PRODUCTS),
-        numbers[-PRODUCTS * tiles :].reshape(tiles, PRODUCTS),
+        numbers[end:-of_tiles].reshape(blocks_in(height), blocks_in(width), PRODUCTS),
+        numbers[-of_tiles:].reshape(tiles, -1),
     )
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from nocturne_scene.pixel_errors import covariance_of_means, one_more_find, variance_of_mean
+from nocturne_scene.response_correlations import correlations_of_tiles, matrix
 from nocturne_scene.tile_sums import (
     BLOCK,
     PAIR_FIRST,
@@ -56,6 +57,9 @@ class ImageMoments:
     tile_size: int
     samples: Counts
     """Shape (height, width)."""
+    correlations: Values | None = None
+    """Of all values in each tile, as `response_correlations` has them; None: not known, or no further
+    responses."""
 
 
 def moments_of(
@@ -63,17 +67,20 @@ def moments_of(
 ) -> ImageMoments:
     """From sums as `nocturne_scene.tile_sums` has them, of whole tiles whose pixels have as many samples.
 
-    Products have the shapes (blocks down, blocks across, 6) and (tiles down, tiles across, 6).
+    Products have the shapes (blocks down, blocks across, 6) and (tiles down, tiles across, 6 or more).
     """
     further = (sums.shape[-1] - XYZ_SUMS) // 2
     n = counts[..., None]
     values = [0, 1, 2, *range(XYZ_SUMS, XYZ_SUMS + further)]
     squares = [*PIXEL_SQUARES, *range(XYZ_SUMS + further, XYZ_SUMS + 2 * further)]
-    blocks = block_sums(sums[..., :3])
+    blocks = block_sums(sums[..., values] if further else sums[..., :3])
     factors = blocks[..., _FIRST_FACTORS], blocks[..., _SECOND_FACTORS]
     of_blocks = covariance_of_means(block_products, *factors, n[::BLOCK, ::BLOCK])
     of_blocks[..., :3] = np.maximum(of_blocks[..., :3], 0.0)
     mean = sums[..., values] / np.maximum(n, 1)
+    of_tiles, of_tile_samples = tile_sums(blocks, tile_size), counts[::tile_size, ::tile_size]
+    has_products = tile_products.shape[-1] > PRODUCTS
+    together = correlations_of_tiles(of_tiles, tile_products, of_tile_samples) if has_products else None
     variance = variance_of_mean(sums[..., values], sums[..., squares], n)
     return ImageMoments(
         mean,
@@ -82,10 +89,11 @@ def moments_of(
         covariance_of_means(sums[..., PIXEL_PAIRS], sums[..., PAIR_FIRST], sums[..., PAIR_SECOND], n),
         of_blocks,
         variance_of_mean(
-            tile_sums(blocks, tile_size), tile_products[..., PRODUCTS_SQUARES], n[::tile_size, ::tile_size]
+            of_tiles[..., :3], tile_products[..., PRODUCTS_SQUARES], n[::tile_size, ::tile_size]
         ),
         tile_size,
         counts,
+        together,
     )
 
 
@@ -181,6 +189,8 @@ class RegionReading:
     """Of all pixels together."""
     samples_per_pixel: tuple[int, int]
     """Fewest and most."""
+    correlations: Values | None = None
+    """Of the errors of all values, shape (values, values); None where they are not known."""
 
 
 class RegionSums:
@@ -198,6 +208,8 @@ class RegionSums:
         self._pixels = self._unseen = self._samples = 0
         self._fewest, self._most = 2**63, 0
         self._blocks = self._squares_of_blocks = 0.0
+        # Covariances of all values, as far as tiles tell.
+        self._together: Values | None = np.zeros((values, values)) if values > len("XYZ") else None
 
     def add(self, image: ImageMoments, chosen: NDArray[np.bool_]) -> None:
         """`chosen`: which pixels of it; those without samples are left out."""
@@ -222,11 +234,36 @@ class RegionSums:
                 self._blocks += float(of_each.sum())
                 self._squares_of_blocks += float(np.square(of_each).sum())
                 self._of_blocks += np.nansum(image.block_covariance * inside[..., None], axis=(0, 1))
+        self._add_together(image, chosen)
         samples = image.samples[chosen]
         self._pixels += len(samples)
         self._unseen += int(np.count_nonzero(image.mean[chosen][:, 1] <= 0.0))
         self._samples += int(samples.sum(dtype=np.uint64))
         self._fewest, self._most = min(self._fewest, int(samples.min())), max(self._most, int(samples.max()))
+
+    def _add_together(self, image: ImageMoments, chosen: NDArray[np.bool_]) -> None:
+        """What a region has of a tile goes together as the whole tile does."""
+        if self._together is None:
+            return
+        if image.correlations is None:
+            self._together = None
+            return
+        edge, values = image.tile_size, len(self._mean)
+        for row, column in np.ndindex(image.correlations.shape[:2]):
+            tile = np.s_[row * edge : (row + 1) * edge, column * edge : (column + 1) * edge]
+            if chosen[tile].any():
+                error = np.sqrt(image.variance[tile][chosen[tile]].sum(axis=0))
+                correlation = matrix(image.correlations[row, column], values)
+                self._together += correlation * error[:, None] * error[None, :]
+
+    def _whole_correlations(self) -> Values | None:
+        if self._together is None or not np.isfinite(self._together).all():
+            return None
+        error = np.sqrt(np.diagonal(self._together))
+        both = error[:, None] * error[None, :]
+        found: Values = np.divide(self._together, both, out=np.zeros_like(both), where=both > 0.0)
+        np.fill_diagonal(found, 1.0)
+        return found
 
     def reading(self) -> RegionReading | None:
         """None where no pixel has samples."""
@@ -253,6 +290,7 @@ class RegionSums:
             self._unseen,
             self._samples,
             (self._fewest, self._most),
+            self._whole_correlations() if known else None,
         )
 
     def _coverage_factor(self) -> float:

@@ -8,18 +8,22 @@ import pytest
 from nocturne.v1 import job_pb2
 from nocturne_coordinator.dispatch import instructions as do
 from nocturne_coordinator.dispatch.core import Core
+from nocturne_coordinator.dispatch.error_estimate import ErrorEstimate
 from nocturne_coordinator.dispatch.events import (
     CommitDone,
     JobsFound,
+    MadeApart,
     Moment,
+    PicturesMade,
     RedisEmptied,
     RendersSeen,
     ResultCame,
     StreamIsReady,
     Tick,
 )
+from nocturne_coordinator.dispatch.film import MergedFilm
 from nocturne_coordinator.dispatch.range_queue import RangeState
-from nocturne_coordinator.dispatch.records import OpenRender, RenderState, TileRow, Totals
+from nocturne_coordinator.dispatch.records import ErrorPoint, OpenRender, RenderState, TileRow, Totals
 from nocturne_coordinator.dispatch.scheduler import JobKey
 from nocturne_coordinator.dispatch.state import Settings
 from nocturne_coordinator.dispatch.stopping import StopConditions
@@ -50,7 +54,7 @@ class Shell:
             do.ReadTiles: lambda _: [],
             do.IsOpen: lambda _: False,
             do.EndRender: lambda _: True,
-            do.MakePictures: lambda _: True,
+            do.MakePictures: lambda _: PicturesMade(self.now),
             do.Quarantine: lambda _: [],
             do.Publish: lambda asked: [self.entry() for _ in asked.jobs],
             do.Commit: lambda _: CommitDone(self.now, ()),
@@ -122,7 +126,8 @@ def test_a_render_that_waits_for_its_pictures_keeps_nobody_and_gets_no_jobs() ->
     shell = Shell((row("large", 2000, stop=StopConditions(wall_seconds=0.3)), row("small", 4)))
     shell.take_up()
     shell.tell(StreamIsReady(at(0.1)))
-    shell.answers[do.MakePictures] = lambda asked: asked.render_id != "large"
+    made = PicturesMade(at(0.5))
+    shell.answers[do.MakePictures] = lambda asked: None if asked.render_id == "large" else made
     shell.result("large", 0.2)
     for tile in range(2):
         shell.result("small", 0.2, tile)
@@ -134,7 +139,7 @@ def test_a_render_that_waits_for_its_pictures_keeps_nobody_and_gets_no_jobs() ->
     shell.result("large", 0.6, tile=1)
     assert shell.tell(StreamIsReady(at(0.7))) == []
     assert ended(0.8) == []
-    shell.answers[do.MakePictures] = lambda _: True
+    shell.answers[do.MakePictures] = lambda _: made
     # It is asked for once in a commit's time.
     assert (ended(0.9), ended(1.1)) == ([], ["large"])
 
@@ -328,6 +333,63 @@ def test_previews_of_many_renders_cost_no_more_than_those_of_two(renders: int, p
     assert previews(1.0) == renders
     assert previews(0.9 + pause) == 0
     assert previews(2.0 + pause) == renders
+
+
+def test_results_are_merged_between_pictures_of_many_renders() -> None:
+    """Each takes 0.6 s: all at once, they would keep results of everybody for five seconds."""
+    shell = Shell(tuple(row(f"{number}", 3000) for number in range(8)))
+    shell.take_up()
+    shell.tell(StreamIsReady(at(0.1)))
+
+    def takes_long(_: do.Instruction) -> Moment:
+        shell.now = at(shell.now.now + 0.6)
+        return shell.now
+
+    shell.answers[do.WritePreview] = takes_long
+    for number in range(8):
+        shell.result(f"{number}", 0.2)
+
+    def shown(now: float) -> list[str]:
+        return [each.render_id for each in shell.tell(Tick(at(now))) if isinstance(each, do.WritePreview)]
+
+    assert [shown(0.5 + 2.0 * turn) for turn in range(8)] == [[f"{number}"] for number in range(8)]
+
+
+def test_a_large_film_is_looked_at_by_a_process_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The render is not held up while that works, and says of its end what the last pictures show."""
+    large = row("large", stop=StopConditions(wall_seconds=100.0))
+    shell = Shell((replace(large, schedule=make_schedule(2048, 1025, 3000)),))
+    shell.take_up()
+    shell.tell(StreamIsReady(at(0.1)))
+    made: list[PicturesMade | None] = [None]
+    shell.answers[do.MakePictures] = lambda _: made[0]
+    wanted = (do.MakePictures, do.WritePreview, do.WriteThumbnail, do.WriteImage, do.RecordError)
+
+    def shown(now: float) -> list[do.Instruction]:
+        return [each for each in shell.tell(Tick(at(now))) if isinstance(each, wanted)]
+
+    monkeypatch.setattr(MergedFilm, "estimate", _no_time)
+    asked = do.MakePictures("large", final=False)
+    shell.result("large", 0.2)
+    assert shown(0.5) == [asked]
+    shell.result("large", 0.6, tile=1)
+    assert shown(1.1) == [asked]
+    estimate = ErrorEstimate(0.02, 5.0, 0.01, pixels=2048 * 1025, samples=100)
+    point = ErrorPoint(1.7e9, 1024, 100.0, 0.02, mean=5.0)
+    made[0] = PicturesMade(at(2.0), MadeApart(point, estimate, 0.4))
+    assert shown(2.0)[0] == asked
+    assert shell.core.state.renders["large"].estimate == estimate
+    # It took a fiftieth of twenty seconds.
+    shell.result("large", 2.1, tile=2)
+    assert (shown(21.0), shown(22.5)[:1]) == ([], [asked])
+    made[0] = PicturesMade(at(101.0), MadeApart(replace(point, photons=4096), estimate, 0.4))
+    last = shown(101.0)
+    assert [type(each) for each in last[-3:]] == [do.MakePictures, do.WriteImage, do.RecordError]
+    assert last[-3] == do.MakePictures("large")
+
+
+def _no_time(_: MergedFilm) -> ErrorEstimate:
+    raise AssertionError("the film is too large to look at while results wait")
 
 
 def test_a_state_that_must_not_be_is_found() -> None:

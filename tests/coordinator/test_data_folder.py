@@ -2,10 +2,12 @@
 
 import hashlib
 import sqlite3
+import tempfile
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from nocturne_coordinator import errors
 from nocturne_coordinator.dispatch.records import RenderCommit, TileRow, Totals
 from nocturne_coordinator.errors import Conflict, OwnershipLost, UnusableFolder
 from nocturne_coordinator.store.data_folder import DataFolder
@@ -149,3 +151,14 @@ def test_a_blob_is_whole_or_not_there(tmp_path: Path) -> None:
 def test_a_digest_is_never_a_path(tmp_path: Path, sha256: str) -> None:
     with pytest.raises(InputError):
         BlobStore(tmp_path).path(sha256)
+
+
+def test_a_full_disk_of_temporary_files_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """SQLite says only that "database or disk is full"."""
+    temporary, trouble = tmp_path / "tmp", sqlite3.OperationalError("database or disk is full")
+    temporary.mkdir()
+    monkeypatch.setattr(tempfile, "tempdir", str(temporary))
+    monkeypatch.setattr(errors, "_free", lambda folder: 0 if folder == temporary else 2**30)
+    assert str(UnusableFolder.because(tmp_path, trouble)).startswith(f"{temporary} is full, where ")
+    monkeypatch.setattr(errors, "_free", lambda _: 2**30)
+    assert str(UnusableFolder.because(tmp_path, trouble)).startswith(f"{tmp_path} can't be used (database ")

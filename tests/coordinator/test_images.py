@@ -22,6 +22,7 @@ from nocturne_coordinator.output.images import (
 )
 from nocturne_scene.pixel_errors import pixel_variance, variance_of_mean
 from nocturne_scene.render_warnings import RenderWarning, UnmetPart, WarningKind
+from nocturne_scene.spectra.wavelength_range import WavelengthRange
 from nocturne_scene.tile_sums import Values, block_sums
 
 from tests.coordinator.service import read_exr, read_further_responses, read_rgb
@@ -87,6 +88,21 @@ def test_exr_keeps_every_bit(tmp_path: Path, count: int) -> None:
     assert np.array_equal(xyz, (sums[..., :3] / np.maximum(counts, 1)[..., None]).astype(np.float32))
     assert np.array_equal(stderr, np.sqrt(variance_of_y(sums, counts)).astype(np.float32))
     assert [path.name for path in path.parent.iterdir()] == ["image.exr"]
+
+
+def test_exr_says_its_wavelengths(tmp_path: Path) -> None:
+    """Those of the scene, and the unit of what takes the place of Y."""
+    in_infrared = replace(
+        PROVENANCE, wavelengths=WavelengthRange(900.0, 1700.0), quantity="photon flux density"
+    )
+    for name, provenance in (("usual.exr", PROVENANCE), ("infrared.exr", in_infrared)):
+        write_image(tmp_path / name, *film(), SQUARES, provenance)
+    with OpenEXR.File(str(tmp_path / "usual.exr"), header_only=True) as file:
+        assert file.header()["nocturne:wavelengths"] == "360 to 830 nm"
+    with OpenEXR.File(str(tmp_path / "infrared.exr"), header_only=True) as file:
+        assert file.header()["nocturne:wavelengths"] == "900 to 1700 nm"
+        assert file.header()["nocturne:unit"] == "umol m-2 s-1"
+        assert "whiteLuminance" not in file.header()
 
 
 def test_exr_says_what_it_may_not_show_in_lines(tmp_path: Path) -> None:

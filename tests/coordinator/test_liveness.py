@@ -61,10 +61,10 @@ def key(number: int) -> JobKey:
 def test_three_workers_condemn_a_job() -> None:
     faults = FailurePolicy()
     live = {"a", "b", "c", "d"}
-    assert faults.failed(key(1), "a", "x", live) is None
-    assert faults.failed(key(1), "a", "x", live) is None
-    assert faults.failed(key(1), "b", "y", live) is None
-    verdict = faults.failed(key(1), "c", "z", live)
+    assert faults.failed(key(1), "a", "x", live, 0.0) is None
+    assert faults.failed(key(1), "a", "x", live, 0.0) is None
+    assert faults.failed(key(1), "b", "y", live, 0.0) is None
+    verdict = faults.failed(key(1), "c", "z", live, 0.0)
     assert verdict is not None
     assert (verdict.reason, verdict.workers) == ("z", ("a", "b", "c"))
 
@@ -72,45 +72,45 @@ def test_three_workers_condemn_a_job() -> None:
 def test_where_nobody_else_is_three_attempts_condemn_a_job() -> None:
     faults = FailurePolicy()
     for _ in range(2):
-        assert faults.failed(key(1), "a", "x", {"a"}) is None
-    assert faults.failed(key(1), "a", "x", {"a", "b"}) is None
-    assert faults.failed(key(1), "b", "x", {"a", "b"}) is not None
+        assert faults.failed(key(1), "a", "x", {"a"}, 0.0) is None
+    assert faults.failed(key(1), "a", "x", {"a", "b"}, 0.0) is None
+    assert faults.failed(key(1), "b", "x", {"a", "b"}, 0.0) is not None
 
 
 def test_before_anybody_is_known_to_work_nobody_condemns_a_job() -> None:
     faults = FailurePolicy()
     for _ in range(5):
-        assert faults.failed(key(1), "a", "x", set()) is None
-        assert faults.failed(key(1), "a", "x", {"b"}) is None
-    assert faults.succeeded(key(1), "b") == []
+        assert faults.failed(key(1), "a", "x", set(), 0.0) is None
+        assert faults.failed(key(1), "a", "x", {"b"}, 0.0) is None
+    assert faults.succeeded(key(1), "b", 0.0) == []
 
 
 def test_three_jobs_that_others_can_do_condemn_a_worker() -> None:
     faults = FailurePolicy()
     for number in range(5):
-        faults.failed(key(number), "a", "x", {"a", "b", "c"})
-    assert faults.succeeded(key(0), "b") == []
-    assert faults.succeeded(key(1), "b") == []
+        faults.failed(key(number), "a", "x", {"a", "b", "c"}, 0.0)
+    assert faults.succeeded(key(0), "b", 0.0) == []
+    assert faults.succeeded(key(1), "b", 0.0) == []
     # A job that the worker itself completes on its second attempt counts in its favour.
-    assert faults.succeeded(key(2), "a") == []
-    assert faults.succeeded(key(3), "c") == ["a"]
+    assert faults.succeeded(key(2), "a", 0.0) == []
+    assert faults.succeeded(key(3), "c", 0.0) == ["a"]
 
 
 def test_a_scene_that_fails_everywhere_condemns_nobody() -> None:
     faults = FailurePolicy()
     chance = random.Random(1)
     for _ in range(300):
-        faults.failed(key(chance.randrange(50)), chance.choice("abc"), "x", {"a", "b", "c"})
-    assert faults.succeeded(key(99), "a") == []
+        faults.failed(key(chance.randrange(50)), chance.choice("abc"), "x", {"a", "b", "c"}, 0.0)
+    assert faults.succeeded(key(99), "a", 0.0) == []
     faults.forget("r")
-    assert [faults.succeeded(key(number), "d") for number in range(50)] == [[]] * 50
+    assert [faults.succeeded(key(number), "d", 0.0) for number in range(50)] == [[]] * 50
 
 
 def test_three_deaths_condemn_a_job_where_deaths_are_rare() -> None:
     faults, live = FailurePolicy(), {f"{number}" for number in range(40)}
     for number in range(1000):
-        faults.succeeded(key(number), "0")
-    verdicts = [faults.failed(key(1), worker, "died of it", live, died=True) for worker in "123"]
+        faults.succeeded(key(number), "0", 0.0)
+    verdicts = [faults.failed(key(1), worker, "died of it", live, 0.0, died=True) for worker in "123"]
     assert [verdict is not None for verdict in verdicts] == [False, False, True]
 
 
@@ -126,9 +126,45 @@ def test_a_night_of_pulled_plugs_condemns_nobody() -> None:
         for number in range(40 * 1200):
             worker = chance.choice(workers)
             while chance.random() < 0.05:
-                assert faults.failed(key(number), worker, "died of it", workers, died=True) is None
+                verdict = faults.failed(key(number), worker, "died of it", workers, 0.75 * number, died=True)
+                assert verdict is None
                 worker = chance.choice(workers)
-            assert faults.succeeded(key(number), worker) == []
+            assert faults.succeeded(key(number), worker, 0.75 * number) == []
+
+
+def test_failures_of_long_ago_count_no_more() -> None:
+    """Three failures among 300,000 jobs that went well, a day apart: everybody fails at times."""
+    faults = FailurePolicy()
+    for day in range(3):
+        at = 86400.0 * day
+        faults.failed(key(day), "a", "the network is down", {"a", "b"}, at)
+        assert faults.succeeded(key(day), "b", at + 1.0) == []
+        for number in range(100_000):
+            faults.succeeded(key(1000 + number), "a", at + 0.8 * number)
+    # Three within an hour, of which one is of a render that is over by then.
+    at += 86400.0
+    for number in range(3):
+        faults.failed(key(number), "a", "the disk is full", {"a", "b"}, at + 1000.0 * number)
+        guilty = faults.succeeded(key(number), "b", at + 1000.0 * number + 1.0)
+        faults.forget("r")
+    assert guilty == ["a"]
+
+
+def test_in_a_storm_of_deaths_after_quiet_weeks_four_of_them_condemn_no_job() -> None:
+    """Workers are taken away by hundreds, as by a provider who wants them back: some jobs are hit again and
+    again. A coordinator that has worked for weeks sees that as one does that has just started."""
+    faults, live = FailurePolicy(), {f"{number}" for number in range(40)}
+    for number in range(1_000_000):
+        faults.succeeded(key(number), "0", number / 16.0)
+    for number in range(200):
+        faults.failed(key(number), f"gone-{number}", "died of it", live, 62_500.0, died=True)
+    verdicts = [faults.failed(key(-1), each, "died of it", live, 62_505.0, died=True) for each in "1234"]
+    assert verdicts == [None] * 4
+    # An hour later, with nothing but good jobs, three are enough again.
+    for number in range(60_000):
+        faults.succeeded(key(number), "0", 62_510.0 + number / 16.0)
+    verdicts = [faults.failed(key(-2), each, "died of it", live, 66_300.0, died=True) for each in "123"]
+    assert [verdict is not None for verdict in verdicts] == [False, False, True]
 
 
 def test_a_worker_that_dies_of_every_job_is_condemned() -> None:
@@ -137,9 +173,9 @@ def test_a_worker_that_dies_of_every_job_is_condemned() -> None:
     deaths = 0
     for number in range(1000):
         if number % 10 == 0:
-            faults.failed(key(number), "7", "died of it", live, died=True)
+            faults.failed(key(number), "7", "died of it", live, 0.0, died=True)
             deaths += 1
-        guilty = faults.succeeded(key(number), "1")
+        guilty = faults.succeeded(key(number), "1", 0.0)
         if guilty:
             break
     assert guilty == ["7"]

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from nocturne_coordinator.dispatch.events import Moment, PicturesMade
 from nocturne_coordinator.dispatch.records import RenderCommit, TileRow, Totals
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.errors import LeaseLost
@@ -115,14 +116,46 @@ def test_a_process_writes_the_same_files(folder: DataFolder, monkeypatch: pytest
 
     here = written()
     monkeypatch.setattr("nocturne_coordinator.output.previews.APART_PIXELS", 0)
-    began = time.monotonic()
-    assert not pictures.are_ready(render)
-    assert time.monotonic() - began < 1.0
-    _until(lambda: pictures.are_ready(render))
     for place in places:
         place.unlink()
-    assert written() == here
+    began = time.monotonic()
+    assert pictures.made(render, True, _moment) is None
+    assert time.monotonic() - began < 1.0
+    _until(lambda: pictures.made(render, True, _moment) is not None)
+    assert not any(place.exists() for place in places)
+    pictures.write_image(render)
+    assert [place.read_bytes() for place in places] == here
     assert sorted(places[0].parent.iterdir()) == sorted(places)
+
+
+@pytest.mark.usefixtures("apart")
+def test_a_process_looks_at_a_render_that_goes_on(folder: DataFolder) -> None:
+    """Its error is what the coordinator itself would find; the last pictures do not wait for such ones."""
+    ledger = Ledger(folder.database, Ownership(folder.root, folder.database))
+    pictures, render = Previews(folder, ledger), _running(folder, ledger, 1)
+    found: list[PicturesMade] = []
+
+    def is_made(final: bool) -> bool:
+        found.extend(made for made in [pictures.made(render, final, _moment)] if made)
+        return bool(found)
+
+    _until(lambda: is_made(final=False))
+    apart = found.pop().apart
+    assert apart is not None
+    point, _ = render.error_point(apart.point.unix_time)
+    assert (apart.point, apart.estimate) == (point, render.estimate)
+    assert folder.preview_path(render.id).exists()
+    assert folder.thumbnail_path(render.id).exists()
+    assert not folder.image_path(render.id).exists()
+    assert not is_made(final=False)
+    assert not is_made(final=True)
+    (running,) = pictures._processes._running.values()
+    assert running.final
+    _until(lambda: is_made(final=True))
+
+
+def _moment() -> Moment:
+    return Moment(0.0, 0.0)
 
 
 def test_one_whose_pictures_fail_keeps_nobody_elses(

@@ -233,7 +233,9 @@ def test_all_that_die_of_a_job_at_once_count() -> None:
     session = Session(4)
     session.fill(6)
     key = next(iter(session.stream))
-    outcomes = [session.intake.lost_worker(key, worker) for worker in ("worker-1", "worker-2", "worker-3")]
+    outcomes = [
+        session.intake.lost_worker(key, worker, 0.0) for worker in ("worker-1", "worker-2", "worker-3")
+    ]
     assert [[line.message.split()[-4] for line in outcome.lines] for outcome in outcomes] == [
         ["worker-1"],
         ["worker-2"],

@@ -15,7 +15,7 @@ _ROUGH = 0.25
 def kernel(draft: Draft, depth: int = 0) -> Any:
     """Of a surface that bounds no body, or its name."""
     simple = (_lambertian, _lambertian, _transmitter, _phong, _measured, _coated, _principled, _conductor)
-    sharp = (_pane, _null) if draft.sharp else ()
+    sharp = (_pane, _glazing, _null) if draft.sharp else ()
     compound = (_blend, _mask, _two_sided) if depth < 2 else ()
     made = draft.chance.pick([*simple, *sharp, *compound])(draft, depth)
     return draft.used("kernels", made)
@@ -35,6 +35,8 @@ def dielectric(draft: Draft, priority: int | None = None) -> Any:
         made["index"] = 1.0
     if chance.maybe(0.4):
         made |= _facets(draft)
+    if chance.maybe(0.2) and (made["index"] != 1.0 or not any(name.startswith("rough") for name in made)):
+        made["coating"] = _layers(draft)
     if chance.maybe(0.4):
         made["absorption"] = plain_coefficient(draft, chance.number(0.2, 3.0))
     if priority is not None:
@@ -77,7 +79,10 @@ def _transmitter(draft: Draft, depth: int) -> Document:
 
 
 def _conductor(draft: Draft, depth: int) -> Document:
-    return {"type": "conductor", "index": metal(draft), **_facets(draft)}
+    made: Document = {"type": "conductor", "index": metal(draft), **_facets(draft)}
+    if draft.chance.maybe(0.25):
+        made["coating"] = _layers(draft)
+    return made
 
 
 def _pane(draft: Draft, depth: int) -> Document:
@@ -85,6 +90,37 @@ def _pane(draft: Draft, depth: int) -> Document:
     if draft.chance.maybe(0.5):
         made["transmittance"] = reflectance(draft)
     return made
+
+
+def _layers(draft: Draft) -> list[Document]:
+    """Of a thin film, clear ones and metals so thin that light comes through."""
+    chance = draft.chance
+    made = []
+    for _ in range(chance.whole(1, 3)):
+        clear = chance.maybe(0.7)
+        of = index(draft) if clear else metal(draft)
+        made.append({"index": of, "thickness_nm": chance.number(20, 600) if clear else chance.number(2, 15)})
+    return made
+
+
+def _glazing(draft: Draft, depth: int) -> Document:
+    """Panes by stacks and by numbers."""
+    chance = draft.chance
+    panes = []
+    for _ in range(chance.whole(1, 3)):
+        match chance.whole(0, 2):
+            case 0:
+                pane: Document = {"index": index(draft)}
+                if chance.maybe(0.5):
+                    pane["transmittance"] = reflectance(draft)
+                pane |= {side: _layers(draft) for side in ("front", "back") if chance.maybe(0.4)}
+            case 1:
+                pane = {"film": _layers(draft)}
+            case _:
+                fields = ("front_reflectance", "back_reflectance", "transmittance")
+                pane = {name: reflectance(draft, 0.45) for name in fields}
+        panes.append(pane)
+    return {"type": "glazing", "panes": panes}
 
 
 def _coated(draft: Draft, depth: int) -> Document:

@@ -27,12 +27,18 @@ _SURFACE = re.compile(r"\$\.surfaces\[(\d+)\](\.?\w*)")
 _NOTED = ("hidden_from", "limb_darkening")
 _GREY: Document = {"type": "lambertian", "reflectance": 0.5}
 _EVEN: Document = {"radiance": 0.01}
+_LAMP: Document = {
+    "shape": {"type": "quad", "corner": [-0.3, 2.3, -0.3], "edge_u": [0.6, 0, 0], "edge_v": [0, 0, 0.6]},
+    "luminaire": _EVEN,
+    "kernel": {"type": "lambertian", "reflectance": 0},
+}
 _PINHOLE: Document = {
     "type": "pinhole",
     "position": CAMERA,
     "look_at": [0.0, 0.5, -0.2],
     "vertical_field_of_view_degrees": 60,
 }
+_READ: Document = {"asset": "grey.png", "sharp": True}
 
 
 def exportable(document: Document, folder: Path, film: Film) -> Document | None:
@@ -74,8 +80,8 @@ def _without(document: Document, problems: Sequence[Problem]) -> Document:
                 made.pop("groups", None)
                 made.pop("instances", None)
             case "surfaces":
-                # No light is left.
-                made["environment"] = _EVEN
+                # No light is left. A sky would be black in a closed room, and leak into Mitsuba's.
+                made["surfaces"].append(_LAMP)
             case _:
                 made.pop(field, None)
     made["surfaces"] = [each for index, each in enumerate(made["surfaces"]) if index not in gone]
@@ -112,7 +118,8 @@ def _drop(surface: Document, *names: str) -> bool:
 def _plain(value: Any) -> Any:
     """The value without features that are exported with a note on a different look, without narrow lines,
     which Mitsuba's evenly drawn wavelengths hit once in thousands, and with textures as Mitsuba reads them:
-    without a footprint, which in films of 4 x 4 pixels covers most of a picture."""
+    without a footprint, which in films of 4 x 4 pixels covers most of a picture, and grey, as other spectra
+    stand there for the same RGB, 1 % apart in the light of lamps with peaks."""
     if isinstance(value, dict):
         if "lines" in value:
             return {"constant": 1.0} | {name: each for name, each in value.items() if name != "lines"}
@@ -122,8 +129,8 @@ def _plain(value: Any) -> Any:
 
 def _sharp(name: str, value: Any) -> Any:
     if name == "textures":
-        return {each: picture | {"sharp": True} for each, picture in value.items()}
-    return value | {"sharp": True} if name == "texture" and isinstance(value, dict) else value
+        return {each: picture | _READ for each, picture in value.items()}
+    return value | _READ if name == "texture" and isinstance(value, dict) else value
 
 
 def traced(document: Document, scene: Scene, folder: Path, samples: int, seeds: int) -> Readings:

@@ -7,6 +7,7 @@ lamps and of the sensor; media around everything. What a place may hold is in te
 from dataclasses import dataclass
 from typing import Any
 
+from nocturne_scene.spectra.named_responses import RESPONSES
 from nocturne_scene.validation.documents import quad
 
 from tests.accuracy.tracing import Document
@@ -26,7 +27,7 @@ from tests.crossings.kernels import dielectric, wall
 from tests.crossings.lights import disc, environment, important, in_group, lamp
 from tests.crossings.media import LAMP_HEIGHT, air, medium
 from tests.crossings.shapes import motion, rotation
-from tests.crossings.spectra import reflectance
+from tests.crossings.spectra import reflectance, sunlight, warm
 
 SITUATIONS = (
     "a boundary across the sensor",
@@ -67,7 +68,8 @@ def scene(seed: int) -> Scene:
     room = chance.maybe(0.5)
     width, height = chance.pick(_FILMS)
     document: Document = {"nocturne": 1, "name": f"crossing {seed}", "surfaces": []}
-    document["sensor"] = sensor = _sensor(draft, room=room)
+    document["sensor"] = sensor = _sensor(draft, (width, height), room=room)
+    height += sum("points" in each for each in sensor.get("instruments", []))
     meter = sensor["type"] == "intensity_meter"
     alone = not meter or chance.maybe(0.6)
     if meter:
@@ -103,11 +105,55 @@ def scene(seed: int) -> Scene:
 def _whole(
     draft: Draft, seed: int, document: Document, width: int, height: int, *, alone: bool = True
 ) -> Scene:
+    if draft.chance.maybe(0.2):
+        _put_range(draft, document)
     situations = frozenset(draft.situations)
     return Scene(seed, document | draft.named, width, height, draft.sharp, alone, situations)
 
 
-def _sensor(draft: Draft, *, room: bool) -> Document:
+def _put_range(draft: Draft, document: Document) -> None:
+    """Other wavelengths, and what a sensor weighs them by."""
+    chance, sensor = draft.chance, document["sensor"]
+    first, last = chance.pick([(280, 400), (300, 830), (200, 2500), (900, 1700)])
+    document["wavelengths"] = {"first": first, "last": last}
+    fitting = [name for name, each in RESPONSES.items() if each.first < last and each.last > first]
+    visible = first <= 360 and last >= 830
+    if not visible:
+        # Its curves are of visible light.
+        sensor.pop("responses", None)
+        sensor.pop("colour", None)
+    if not visible or chance.maybe(0.5):
+        sensor["measures"] = chance.pick(fitting)
+    if chance.maybe(0.5):
+        sensor["named_responses"] = [chance.pick(fitting)]
+    if "bands" in sensor:
+        sensor["bands"] = {"first": first, "last": last, "width": (last - first) // 2}
+    if not visible or chance.maybe(0.3):
+        _relight(draft, document)
+
+
+def _relight(draft: Draft, document: Document) -> None:
+    """Gives all lights spectra that are of all wavelengths."""
+    waiting: list[Any] = [document["surfaces"], draft.named.get("groups", {})]
+    while waiting:
+        match waiting.pop():
+            case {"luminaire": {"radiance": _} as luminaire}:
+                luminaire["radiance"] = warm(draft, 300.0)
+            case dict() as entries:
+                waiting += entries.values()
+            case list() as members:
+                waiting += members
+    sky = document.get("environment")
+    if sky is not None:
+        hidden_from = {name: sky[name] for name in ("hidden_from",) if name in sky}
+        document["environment"] = {"radiance": sunlight(draft, 300.0), **hidden_from}
+    for each in document.get("distant", []):
+        for field, luminance in (("irradiance", 1000.0), ("radiance", 1e4)):
+            if field in each:
+                each[field] = sunlight(draft, luminance)
+
+
+def _sensor(draft: Draft, film: tuple[int, int], *, room: bool) -> Document:
     match draft.chance.whole(0, 9):
         case 0 | 1 | 2:
             far = not room and draft.chance.maybe(0.3)
@@ -116,6 +162,8 @@ def _sensor(draft: Draft, *, room: bool) -> Document:
             return sensors.film(draft, far=far)
         case 3:
             return sensors.intensity(draft, PLACES[0], RADIUS + 0.05)
+        case 4 if room:
+            return sensors.meters(draft, *film)
     return sensors.camera(draft)
 
 
@@ -236,7 +284,7 @@ def _put_around(draft: Draft, document: Document, *, far: bool) -> None:
 def _put_across(draft: Draft, document: Document, lamp_at: Point) -> None:
     """Bodies whose boundaries cut the sensor or the lamp, and smoke in front of the sensor."""
     chance = draft.chance
-    sensor = document["sensor"]["position"]
+    sensor = document["sensor"].get("position", [0.0, 0.5, 1.2])
     if chance.maybe(0.12):
         draft.situations.add("a boundary across the sensor")
         glass = draft.sharp and chance.maybe(0.3)

@@ -68,6 +68,33 @@ def film(draft: Draft, *, far: bool = False) -> Document:
     return made | _reading(draft) | _moving(draft, position)
 
 
+def meters(draft: Draft, width: int, height: int) -> Document:
+    """On a grid in the air, as large as a film, of one body, and perhaps at a point, in one row more; keeps
+    clear of bodies."""
+    chance = draft.chance
+    position, _ = chance.pick(_FILMS)
+    corner = shortened([position[0] - 0.2, position[1] + 0.05, position[2] + 0.1])
+    grid = {"corner": corner, "right": [0.4, 0, 0], "up": [0, 0, -0.2], "columns": width, "rows": height}
+    body = chance.pick(["plane", "cylindrical", "semicylindrical", "hemispherical", "spherical", "fluence"])
+    made: Document = {"name": "air", "grid": grid, "measures": body}
+    if body == "semicylindrical":
+        made["facing"] = [0.3, 0.1, -1.0]
+    if chance.maybe(0.4):
+        made["normal"] = chance.near([0.1, 1.0, -0.2], 0.3)
+    if chance.maybe(0.3):
+        grid["border"] = 0.01
+    instruments = [made]
+    more: Document = {}
+    if chance.maybe(0.4):
+        instruments.append({"name": "above", "points": [shortened([corner[0], corner[1] + 0.3, corner[2]])]})
+        if chance.maybe(0.5):
+            more["outdoor"] = "above"
+    sensor: Document = {"type": "meters", "instruments": instruments}
+    if body == "plane":
+        more["colour"] = True
+    return sensor | more | _reading(draft) | _moving(draft, corner)
+
+
 def intensity(draft: Draft, centre: Point, radius: float) -> Document:
     """An intensity meter of the lamps in a ball."""
     chance = draft.chance
@@ -105,4 +132,6 @@ def _reading(draft: Draft) -> Document:
         made["light_parts"] = chance.maybe(0.9)
     if chance.maybe(0.3):
         made["wavelengths"] = chance.pick(["response", "uniform"])
+    if made.get("wavelengths") == "uniform":
+        made["colour"] = True
     return made

@@ -61,6 +61,21 @@ def radiance(draft: Draft, luminance: float) -> Any:
     return draft.used("spectra", made)
 
 
+def sunlight(draft: Draft, luminance: float) -> Any:
+    """Of about this luminance; of all wavelengths from 280 nm on."""
+    chance = draft.chance
+    made: Document = {"solar": chance.pick(["extraterrestrial", "global", "direct"])}
+    if chance.maybe(0.5):
+        return made | {"luminance": float(f"{luminance:.3g}")}
+    # The Sun's 1e5 lx.
+    return made | {"factor": float(f"{luminance * 1e-5:.3g}")}
+
+
+def warm(draft: Draft, luminance: float) -> Any:
+    """Of about this luminance, and of all wavelengths: as with a colour texture, its spectrum."""
+    return {"blackbody": draft.chance.number(2500, 6500), "luminance": float(f"{luminance:.3g}")}
+
+
 def coefficient(draft: Draft, level: float) -> Any:
     """Per metre, about `level`."""
     chance = draft.chance

@@ -36,6 +36,16 @@ def test_a_worker_that_contradicts_itself_is_faulty(seconds: tuple[str, str]) ->
     assert auditor.mismatches == 1
 
 
+def test_a_job_that_was_done_again_while_nobody_else_was_there_is_audited_once() -> None:
+    """L6: of what was asked for twice one would be left when the render is let go."""
+    auditor = audited("a", RIGHT, "a")
+    auditor.again(KEY, "a", RIGHT, {"a"})
+    assert auditor.take(9) == []
+    auditor.look(lambda _: {"a", "b"})
+    assert auditor.forget(KEY.render_id) == []
+    assert auditor.take(9) == []
+
+
 def test_a_worker_does_not_confirm_itself() -> None:
     """L6: nor does asking it for ever."""
     auditor = audited("a", RIGHT, "a", "b")
@@ -123,12 +133,12 @@ def test_the_third_faulty_machine_of_a_token_puts_all_of_it_out() -> None:
 def test_a_job_fails_by_three_nodes_and_not_by_one() -> None:
     """P15: of one token; beside others, not by it alone."""
     policy, live = FailurePolicy(), {"pool:1", "pool:2", "pool:3", "pool:4"}
-    assert [policy.failed(KEY, "pool:1", "no", live) for _ in range(9)] == [None] * 9
-    assert policy.failed(KEY, "pool:2", "no", live) is None
-    assert policy.failed(KEY, "pool:3", "no", live) is not None
+    assert [policy.failed(KEY, "pool:1", "no", live, 0.0) for _ in range(9)] == [None] * 9
+    assert policy.failed(KEY, "pool:2", "no", live, 0.0) is None
+    assert policy.failed(KEY, "pool:3", "no", live, 0.0) is not None
     live.add("other")
-    assert [policy.failed(KEY, f"pool:{number}", "no", live) for number in range(9)] == [None] * 9
-    assert policy.failed(KEY, "other", "no", live) is not None
+    assert [policy.failed(KEY, f"pool:{number}", "no", live, 0.0) for number in range(9)] == [None] * 9
+    assert policy.failed(KEY, "other", "no", live, 0.0) is not None
 
 
 def wrong_once(number: int) -> Alter:

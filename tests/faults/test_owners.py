@@ -3,6 +3,7 @@
 Long: each way in which one owner could reach another has its test.
 """
 
+import asyncio
 import hashlib
 import json
 import time
@@ -14,14 +15,20 @@ import httpx
 import pytest
 from nocturne.v1 import asset_service_pb2, asset_service_pb2_grpc, render_service_pb2_grpc
 from nocturne.v1 import render_service_pb2 as pb
+from nocturne_api import limits as limits_of_api
+from nocturne_api.compiling.turns import CompileTurns
 from nocturne_coordinator import limits
 from nocturne_coordinator.dispatch.records import RenderState
+from nocturne_coordinator.dispatch.state import Settings
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.ledger import Ledger
 from nocturne_coordinator.store.ownership import Ownership
 
 from tests.coordinator.world import World
 from tests.faults.owners import Guarded, guarded, metadata, next_of, request
+from tests.services.conftest import SCENE
+from tests.services.test_leaving import compiles, slow
+from tests.services.webhook_receiver import until_true
 
 MANY = 3000
 # The quickest counts: the machine may do other things besides.
@@ -112,6 +119,31 @@ def test_nobody_holds_more_than_half_of_what_others_leave(monkeypatch: pytest.Mo
     assert running(world) == ["alice"] * 4 + ["bob"] * 2 + ["carol"]
 
 
+def test_a_film_that_memory_can_never_hold_is_refused_by_a_sentence() -> None:
+    """P16: taken up, it would end the coordinator again and again."""
+    world = World(settings=Settings(memory_bytes=4 * 2**30))
+    large, other = world.create(10, width=8192, height=8192), create(world, "bob")
+    world.start()
+    world.worker()
+    world.run_until(lambda: world.row(large).state.ended and world.row(other).state.ended)
+    assert (world.row(large).state, world.row(other).state) == (RenderState.FAILED, RenderState.SUCCEEDED)
+    assert world.store.renders.get(large).reason.startswith(
+        "A film of 8192 x 8192 needs 16.5 GiB of memory where "
+    )
+
+
+def test_with_little_memory_fewer_films_are_at_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    """P16: of two fifths of it one owner has half, here four films."""
+    monkeypatch.setattr(limits, "MEMORY_BESIDE", 0)
+    memory = round(2 * 4 * NUMBERS * 8 / limits.SUMS_PART_OF_MEMORY) + 8
+    world = World(settings=Settings(memory_bytes=memory))
+    for _ in range(6):
+        create(world, "alice", samples=10**6)
+    world.start()
+    world.run(2.0)
+    assert running(world) == ["alice"] * 4
+
+
 def test_newcomers_are_bounded_too() -> None:
     """P7: however many owners there are, only so many renders are at work."""
     world = World()
@@ -157,6 +189,50 @@ def queue_many(folder: DataFolder, owner: str, count: int) -> None:
                 (SELECT * FROM render WHERE owner = ? ORDER BY number DESC LIMIT 1)""",  # noqa: S608
             (count, owner),
         )
+
+
+async def test_whose_scene_compiles_at_once_waits_for_nobodys(
+    alice: httpx.AsyncClient, bob: httpx.AsyncClient
+) -> None:
+    """P7: one owner's scenes take minutes to be compiled, as many as may be compiled at once and more."""
+    slowly = [request(f"slow-{number}", scene=slow(SCENE, number)) for number in range(6)]
+    waiting = [asyncio.create_task(alice.post("/v1/renders", json=each)) for each in slowly]
+    try:
+        await until_true(lambda: compiles() >= limits_of_api.COMPILES_AT_ONCE, 10.0)
+        begun = time.monotonic()
+        answer = await bob.post("/v1/renders", json=request("quick"))
+        assert answer.status_code == 201
+        assert time.monotonic() - begun < 3.0
+        assert not any(each.done() for each in waiting)
+        assert compiles() == limits_of_api.COMPILES_AT_ONCE
+    finally:
+        for each in waiting:
+            each.cancel()
+        await asyncio.gather(*waiting, return_exceptions=True)
+
+
+async def test_turns_of_compilers() -> None:
+    """P7: of one owner two at once; beside them one of each other owner, up to four; then who has fewest."""
+    turns, at_work, may_end = CompileTurns(), [], asyncio.Event()
+
+    async def compiling(owner: str) -> None:
+        async with turns.turn(owner):
+            at_work.append(owner)
+            await may_end.wait()
+
+    tasks = [asyncio.create_task(compiling(owner)) for owner in "aaabbcdef"]
+    await asyncio.sleep(0)
+    await asyncio.sleep(0)
+    assert at_work == [*"aabcde"]
+    # One that waits and one that works are called off.
+    tasks[2].cancel()
+    tasks[0].cancel()
+    await asyncio.sleep(0)
+    await asyncio.sleep(0)
+    assert at_work == [*"aabcdef"]
+    may_end.set()
+    await asyncio.gather(*tasks, return_exceptions=True)
+    assert at_work == [*"aabcdefb"]
 
 
 async def test_a_list_of_ten_thousand_is_answered_at_once(

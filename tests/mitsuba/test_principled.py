@@ -16,7 +16,7 @@ pytestmark = [
     pytest.mark.skipif(not PYTHON.exists(), reason=f"needs Mitsuba in {PYTHON.parents[1]}: `make peers`"),
 ]
 
-_SAMPLES = 128
+_SAMPLES = 1024
 
 SCENE = """<scene version="3.0.0"><default name="spp" value="{samples}"/>
 <integrator type="path"><integer name="max_depth" value="8"/>

@@ -10,6 +10,7 @@ import pytest
 from nocturne_scene.compile import spectra
 from nocturne_scene.media import mie
 from nocturne_scene.spectra.published import Floats
+from nocturne_scene.spectra.wavelength_range import VISIBLE
 
 from tests.scene.conftest import Compile, Document
 from tests.scene.test_media import with_media
@@ -26,7 +27,7 @@ def cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     folder = tmp_path_factory.mktemp("cache")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(platformdirs, "user_cache_path", lambda *_: folder)
-        patch.setattr(mie, "WAVELENGTHS", np.array([450.0, 575.0, 700.0]))
+        patch.setattr(mie, "wavelengths", lambda _=None: np.array([450.0, 575.0, 700.0]))
         mie._kept.cache_clear()
         yield folder
     mie._kept.cache_clear()
@@ -129,7 +130,7 @@ def test_large_droplets_take_twice_the_light_that_meets_them() -> None:
     large = mie.scattering(distribution, (1.33,) * 3)
     radii = np.linspace(1e-6, 40e-6, 20_000)
     area = np.pi * np.trapezoid(distribution.density(radii) * radii**2, radii)
-    size = 2 * np.pi * 10e-6 / (mie.WAVELENGTHS * 1e-9)
+    size = 2 * np.pi * 10e-6 / (mie.wavelengths() * 1e-9)
     assert large.cross_section / area == pytest.approx(2 + 1.9924 * size ** (-2 / 3), rel=5e-3)
 
 
@@ -139,7 +140,7 @@ def test_small_droplets_scatter_as_molecules_do() -> None:
     radii = np.linspace(1e-11, 1e-8, 20_000)
     sixth = np.trapezoid(mie.Distribution(2e-9, 20, 2).density(radii) * radii**6, radii)
     polarised = (1.33**2 - 1) / (1.33**2 + 2)
-    rayleigh = 8 / 3 * np.pi * (2 * np.pi / (mie.WAVELENGTHS * 1e-9)) ** 4 * polarised**2 * sixth
+    rayleigh = 8 / 3 * np.pi * (2 * np.pi / (mie.wavelengths() * 1e-9)) ** 4 * polarised**2 * sixth
     assert small.cross_section == pytest.approx(rayleigh, rel=5e-3)
     phase = 3 / (16 * np.pi) * (1 + small.cosines**2)
     assert small.phase[0] == pytest.approx(phase, rel=0.01)
@@ -157,7 +158,7 @@ def test_the_forward_peak_is_resolved() -> None:
     angles = np.radians([0.0, 0.13, 0.7, 2.1, 11.0, 42.0, 90.5, 138.0, 143.3, 179.2, 180.0])
     radii = np.linspace(0.5e-6, 20e-6, 1000)
     which = 1
-    wave = 2 * np.pi / (mie.WAVELENGTHS[which] * 1e-9)
+    wave = 2 * np.pi / (mie.wavelengths()[which] * 1e-9)
     weights = CLOUD_C1.density(radii) * (radii[1] - radii[0])
     total = weights @ intensity(WATER[which], wave * radii, np.cos(angles)) / wave**2
     table = np.interp(np.cos(angles), found.cosines, found.phase[which])
@@ -187,7 +188,7 @@ def test_what_was_computed_is_kept(cache: Path, monkeypatch: pytest.MonkeyPatch)
 def test_a_spoilt_file_is_made_again(cache: Path) -> None:
     distribution = mie.Distribution(0.1e-6, 4, 2)
     made = mie.scattering(distribution, WATER)
-    mie._place(distribution, WATER).write_bytes(b"spoilt")
+    mie._place(distribution, WATER, VISIBLE).write_bytes(b"spoilt")
     mie._kept.cache_clear()
     assert np.array_equal(mie.scattering(distribution, WATER).phase, made.phase)
     del cache
@@ -210,7 +211,7 @@ def test_a_preset_of_droplets(document: Document, compiled: Compile) -> None:
     assert haze.phase == same.phase == other.phase
     table = haze.phase.tabulated
     assert len(table.values) == len(table.wavelengths) * len(table.cosines)
-    found = spectra.evaluate(scene.spectra[haze.scattering], mie.WAVELENGTHS)
+    found = spectra.evaluate(scene.spectra[haze.scattering], mie.wavelengths())
     # Haze scatters blue light more than red; 0.048 per km at 450 nm for one part.
     assert found[0] > found[1] > found[2]
     assert found == pytest.approx([4.80e-5, 4.46e-5, 3.95e-5], rel=0.01)

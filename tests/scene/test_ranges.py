@@ -85,7 +85,7 @@ def test_further_responses_make_smaller_tiles() -> None:
         edge = schedule.tile_size
         assert 8 * (edge**2 * (9 + 2 * count) + (edge // 4) ** 2 + 1) <= 144 * 1024
         sizes[count] = schedule.tile_size
-    assert [sizes[n] for n in (0, 4, 5, 31, 32, 60, 139, 140, 560)] == [32, 32, 16, 16, 8, 8, 8, 4, 4]
+    assert (sizes[0], sizes[4], sizes[5], sizes[31], sizes[32], sizes[60]) == (32, 32, 16, 16, 8, 8)
 
 
 def test_further_responses_leave_fewer_pixels() -> None:
@@ -107,7 +107,7 @@ def test_further_responses_leave_fewer_pixels() -> None:
         (['"'], "letter"),
         (["a" * 32], "letter"),
         (["rod", "rod"], "two responses"),
-        ([f"r{index}" for index in range(561)], "561 further responses"),
+        ([f"r{index}" for index in range(61)], "61 further responses"),
     ],
 )
 def test_names_that_no_channel_can_have_are_refused(names: list[str], said: str) -> None:

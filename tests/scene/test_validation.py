@@ -1,9 +1,12 @@
 """Closed forms of the suites against published digits, and what readings say together."""
 
+import json
 from random import Random
 
 import pytest
+from nocturne_scene.document.read import check_document
 from nocturne_scene.validation import closed_forms as forms
+from nocturne_scene.validation import films
 from nocturne_scene.validation.cases import Value
 from nocturne_scene.validation.skies import horizontal_illuminance, through_opening
 from nocturne_scene.validation.suites import SUITES
@@ -79,3 +82,9 @@ def test_readings_without_noise_are_right_to_rounding_or_wrong() -> None:
     assert verdict([exact]).is_good
     assert verdict([exact, wrong]).wrong == 1
     assert not verdict([exact, wrong]).is_good
+
+
+def test_documents_of_films_are_valid() -> None:
+    """Written from numbers that may be complex."""
+    for scene in films.scenes():
+        check_document(json.loads(json.dumps(scene.document)))

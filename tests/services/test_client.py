@@ -170,10 +170,11 @@ def test_a_missing_token_is_told_in_words_of_the_command_line(monkeypatch: pytes
     ("status", "retry_after", "waited"),
     [
         (503, "", [0.0, 0.5]),
-        (503, "5", [5.0, 5.0]),
-        (429, "1", [1.0, 1.0]),
-        # Quotas are not free again so soon.
-        (429, "60", []),
+        (503, "60", [60.0, 60.0, 60.0]),
+        # A quota that is used up.
+        (429, "60", [60.0, 60.0, 60.0]),
+        (429, "100", [100.0]),
+        (429, "200", []),
         (503, "Wed, 21 Oct 2026 07:28:00 GMT", [0.0, 0.5]),
         *((status, "1", []) for status in (500, 404, 422, 507)),
     ],
@@ -182,6 +183,7 @@ def test_what_is_busy_is_asked_again_when_it_says(
     status: int, retry_after: str, waited: list[float], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     slept: list[float] = []
+    told: list[float] = []
     monkeypatch.setattr("nocturne_client.transport.RETRY_DELAYS_S", (0.0, 0.5))
     monkeypatch.setattr("nocturne_client.transport.time.sleep", slept.append)
     made = 0
@@ -193,11 +195,16 @@ def test_what_is_busy_is_asked_again_when_it_says(
         return httpx.Response(status, json={"detail": "no", "problems": []}, headers=headers)
 
     with (
-        Client("http://test", transport=httpx.MockTransport(answer)) as client,
+        Client(
+            "http://test",
+            transport=httpx.MockTransport(answer),
+            on_wait=lambda _, seconds: told.append(seconds),
+        ) as client,
         pytest.raises(NocturneClientError) as caught,
     ):
         client.get("r")
     assert (made, slept) == (1 + len(waited), waited)
+    assert told == [each for each in waited if retry_after.isdecimal()]
     assert caught.value.can_be_retried == (status in (429, 503))
 
 

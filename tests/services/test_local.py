@@ -148,3 +148,23 @@ def test_compile_names_all_problems(scene: dict[str, Any], tmp_path: Path) -> No
     with pytest.raises(NocturneClientError) as caught:
         compile_to(path, tmp_path / "out", 64, 48, 32)
     assert [problem.place for problem in caught.value.problems] == ["$.surfaces[0].colour"]
+
+
+def test_a_terminal_without_letters_shows_numbers() -> None:
+    """As under LC_ALL=POSIX, where Python is told to use neither UTF-8 nor another locale."""
+    posix = {"LC_ALL": "POSIX", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+    show = "from nocturne_client.cli.app import main; from nocturne_client.console import CONSOLE; import sys"
+    said = subprocess.run(
+        [
+            sys.executable,
+            "-c",
+            f"{show}; sys.argv[1:] = ['--version']\ntry: main()\nexcept SystemExit: pass\n"
+            "CONSOLE.print('\\xfc')",
+        ],
+        env={**os.environ, **posix},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert said.returncode == 0, said.stderr
+    assert said.stdout.endswith("\\xfc\n")

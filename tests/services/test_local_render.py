@@ -223,6 +223,27 @@ def test_another_picture_has_no_error_to_tell(tmp_path: Path) -> None:
         image_error(tmp_path / "a.exr")
 
 
+def test_the_image_of_another_range_says_so(scene: Path) -> None:
+    """A mercury lamp that visible light knows nothing of, in the tracer's own words and in ours."""
+    lamp = {"luminaire": {"watts": 10, "radiance": {"lines": [{"nm": 253.65, "power": 1}]}}}
+    surfaces = [{**each, **lamp} if "luminaire" in each else each for each in LAMP["surfaces"]]
+    sensor = {**LAMP["sensor"], "measures": "actinic", "named_responses": ["photons"]}
+    within = {"wavelengths": {"first": 200, "last": 300}}
+    scene.write_text(json.dumps({**LAMP, **within, "surfaces": surfaces, "sensor": sensor}))
+    image, _ = rendered(scene, "--samples", "64")
+    with OpenEXR.File(str(image), separate_channels=True) as file:
+        header = file.header()
+        found = (header["nocturne:quantity"], header["nocturne:unit"], header["nocturne:wavelengths"])
+        assert found == ("actinic irradiance", "W m-2", "200 to 300 nm")
+    found_error = image_error(image)
+    assert "actinic irradiance of 200 to 300 nm" in str(found_error)
+    assert "u'" not in str(found_error)
+    # A disc of 10 W at two radii, straight above: 10 / pi / (1 + 4) W/m2, weighed by ICNIRP's 0.43 at 250 nm
+    # and 0.5 at 254 nm.
+    weight = 0.43 * (0.5 / 0.43) ** (3.65 / 4)
+    assert found_error.estimate.mean == pytest.approx(2 / np.pi * weight, rel=0.02)
+
+
 @pytest.mark.parametrize(
     ("sensor", "quantity", "unit"),
     [("irradiance_meter", "illuminance", "lx"), ("pinhole", "luminance", "cd/m2")],

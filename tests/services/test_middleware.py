@@ -31,6 +31,18 @@ async def test_loopback_names_are_welcome(host: str, rest: httpx.AsyncClient) ->
     assert (await rest.get("/v1/renders", headers={"Host": host})).status_code == 200
 
 
+@pytest.mark.parametrize("site", ["cross-site", "same-site"])
+async def test_changes_from_other_sites_are_refused(
+    site: str, body: dict[str, Any], rest: httpx.AsyncClient
+) -> None:
+    """By a browser's own word, also where it sends no Origin."""
+    answer = await rest.post("/v1/renders", json=body, headers={"Sec-Fetch-Site": site})
+    assert answer.status_code == 403
+    for own in ("same-origin", "none"):
+        answer = await rest.post("/v1/renders", json=body, headers={"Sec-Fetch-Site": own})
+        assert answer.status_code == 201
+
+
 @pytest.mark.parametrize("origin", ["https://evil.example", "null", "http://127.0.0.1:1"])
 async def test_changes_from_other_origins_are_refused(
     origin: str, body: dict[str, Any], rest: httpx.AsyncClient

@@ -3,10 +3,13 @@
 import json
 import re
 from pathlib import Path
+from typing import get_type_hints
 
 import pytest
 from nocturne_client.cli.app import app
+from nocturne_client.cli.validate_command import validate
 from nocturne_scene.validation import lamps
+from nocturne_scene.validation.suites import SUITES
 from typer.testing import CliRunner
 
 pytestmark = pytest.mark.system
@@ -45,3 +48,9 @@ def test_no_such_suite() -> None:
     done = CliRunner().invoke(app, ["validate", "cie172"])
     assert done.exit_code != 0
     assert "no suite named cie172; expected one of cie171" in str(done.exception)
+
+
+def test_help_names_all_suites() -> None:
+    """It is a list of its own: the suites are long to import."""
+    [argument] = get_type_hints(validate, include_extras=True)["suites"].__metadata__
+    assert argument.help == f"{', '.join(suite.name for suite in SUITES)}; all without."

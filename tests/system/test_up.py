@@ -1,7 +1,9 @@
 """`nocturne up` and the commands that talk to it, as a user types them."""
 
 import json
+import os
 import re
+import signal
 import subprocess
 from contextlib import closing
 from pathlib import Path
@@ -52,6 +54,16 @@ def test_submit_watch_list_get(running_service: Up, tmp_path: Path) -> None:
     assert png.read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.parametrize("more", [(), ("--layers", "albedo")])
+def test_get_and_render_write_equal_files(running_service: Up, tmp_path: Path, more: tuple[str, ...]) -> None:
+    """Not their pixels alone: whoever keeps images by their digest keeps one of each."""
+    here, there = tmp_path / "here.exr", tmp_path / "there.exr"
+    render_id = _nocturne(running_service, "submit", CORNELL, *_SMALL, *more, "--watch").strip()
+    _nocturne(running_service, "get", render_id, "--exr", there)
+    subprocess.run([NOCTURNE, "render", CORNELL, *_SMALL, *more, "-o", here], check=True, timeout=LIMIT_S)
+    assert here.read_bytes() == there.read_bytes()
+
+
 def test_cancel(running_service: Up) -> None:
     render_id = _nocturne(running_service, "submit", CORNELL, *_ENDLESS).strip()
     with Client(running_service.url) as client:
@@ -68,6 +80,23 @@ def test_the_page_is_served(running_service: Up) -> None:
     answer = httpx.get(running_service.url, trust_env=False)
     assert answer.status_code == 200
     assert re.search(r'<script[^>]* src="/assets/', answer.text), "the page is not built"
+
+
+def test_sighup_begins_logs_anew_and_ends_nothing(running_service: Up) -> None:
+    """As the post-rotate script of logrotate sends it, or `systemctl reload`."""
+    state = json.loads((running_service.data / "service.json").read_text())
+    children = state["children"]
+    os.kill(state["pid"], signal.SIGHUP)
+    log, before = (
+        running_service.data / "logs/coordinator.log",
+        running_service.data / "logs/coordinator.log.1",
+    )
+    wait_for(lambda: before.exists() and "SIGHUP" in log.read_text(), "the log to be begun anew")
+    assert "works on" in before.read_text()
+    render_id = _nocturne(running_service, "submit", CORNELL, *_SMALL, "--watch").strip()
+    assert render_id
+    assert json.loads((running_service.data / "service.json").read_text()) == state
+    assert all(is_running(pid) for pid in children.values())
 
 
 def test_the_data_folder_is_private(running_service: Up) -> None:

@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <iomanip>
@@ -59,7 +60,7 @@ std::vector<std::string> checked_responses(const v1::RangeSchedule& schedule,
   return names;
 }
 
-// Names need no escapes: they are letters, digits, '.', '+', '_' and '-'.
+// Names need no escapes: they are letters, digits, '.', '_' and '-'.
 std::string schedule_json(const v1::RangeSchedule& schedule) {
   const auto joined = [](const auto& ends) {
     std::string text;
@@ -98,20 +99,31 @@ std::function<void(double)> progress_on_stderr(bool quiet) {
 // What the sensor's Y is, and the units of Y and of further responses; as
 // nocturne_scene/quantities.py has them.
 struct Quantity {
-  const char* name;
-  const char* unit;
-  const char* response_unit;
+  std::string name, unit, response_unit;
 };
 
 Quantity quantity_of(const v1::Sensor& sensor) {
+  if (sensor.has_quantity()) {
+    const auto& told = sensor.quantity();
+    return {told.name(), told.unit(), told.response_unit()};
+  }
   switch (sensor.model()) {
     case v1::SENSOR_MODEL_PLANE:
+    case v1::SENSOR_MODEL_METERS:
       return {"illuminance", "lx", "W m-2"};
     case v1::SENSOR_MODEL_INTENSITY:
       return {"luminous intensity", "cd", "W sr-1"};
     default:
       return {"luminance", "cd/m2", "W m-2 sr-1"};
   }
+}
+
+// As nocturne_scene/spectra/wavelength_range.py spells them; ends are whole nm.
+std::string wavelengths_of(const v1::Sensor& sensor) {
+  const auto whole = [](double nm) { return std::to_string(std::lround(nm)); };
+  const double first = sensor.response_first_nm();
+  const double last = first + (sensor.response_y_size() - 1) * sensor.response_step_nm();
+  return whole(first) + " to " + whole(last) + " nm";
 }
 
 void write_sums(const std::string& path, const TileSums& tile) {
@@ -186,7 +198,8 @@ void run_film(const Options& options, const v1::CompiledScene& message,
   write_exr(options.output, image, plan.tile_size, further_responses, samples,
             {scene_sha256, schedule_json(schedule), v1::ENGINE_CURRENT, profile, quantity.name,
              quantity.unit, quantity.response_unit, image.truncated_paths, schedule.way(),
-             warning_lines(schedule), unmet_part_lines(schedule)});
+             warning_lines(schedule), unmet_part_lines(schedule), wavelengths_of(message.sensor()),
+             schedule.instruments()});
   if (!options.statistics.empty()) {
     write_statistics(options.statistics, image, cpu, wall.count());
   }

@@ -37,6 +37,8 @@ from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.state import State
 from nocturne_coordinator.errors import FolderTrouble, LeaseLost
 
+_NUMBER_BYTES = 8
+
 _ODD_SECONDS = 10.0
 """How long most workers must round otherwise than a render's before it is started again: a worker's status
 holds as long, so all that are there have been seen."""
@@ -230,6 +232,9 @@ class Admission:
             )
             yield from self.end(row, RenderState.FAILED, reason)
             return
+        if reason := self._too_large(row):
+            yield from self.end(row, RenderState.FAILED, reason)
+            return
         if row.state is RenderState.QUEUED and 0.0 < row.stop.until <= at.unix and not row.totals.photons:
             text = row.stop.until_text or "the time"
             reason = f"{text} came before there was room to start it."
@@ -274,22 +279,43 @@ class Admission:
         renders = self._state.renders
         if len(renders) >= limits.MAX_RUNNING + (limits.MAX_NEWCOMERS if newcomer else 0):
             return False
-        wanted = _numbers_of(row)
-        if wanted > limits.MAX_RUNNING_SUMS:
+        wanted, most = _numbers_of(row), self._most_numbers
+        if wanted > most:
             # One at a time, which takes nothing of the others' room.
-            return all(_numbers_of(render.row) <= limits.MAX_RUNNING_SUMS for render in renders.values())
+            return all(_numbers_of(render.row) <= most for render in renders.values())
         held: Counter[str] = Counter()
         for render in renders.values():
-            if _numbers_of(render.row) <= limits.MAX_RUNNING_SUMS:
-                held[render.row.owner] += render.film.numbers_held
-        free_for_owner = 2 * limits.MAX_RUNNING_SUMS - (held.total() - held[row.owner])
+            if (numbers := _numbers_of(render.row)) <= most:
+                held[render.row.owner] += numbers
+        free_for_owner = 2 * most - (held.total() - held[row.owner])
         return held[row.owner] + wanted <= free_for_owner / 2
+
+    @property
+    def _most_numbers(self) -> int:
+        """That an owner's renders may hold where nobody else is."""
+        memory = self._state.settings.memory_bytes
+        of_memory = int(limits.SUMS_PART_OF_MEMORY * memory / _NUMBER_BYTES / 2)
+        return min(limits.MAX_RUNNING_SUMS, of_memory) if memory else limits.MAX_RUNNING_SUMS
+
+    def _too_large(self, row: OpenRender) -> str:
+        """Why a film can never be held, with what makes its pictures; empty: it can."""
+        memory = self._state.settings.memory_bytes
+        pixels = row.schedule.width * row.schedule.height
+        needed = 2 * _NUMBER_BYTES * _numbers_of(row) + limits.PICTURE_BYTES * pixels + limits.MEMORY_BESIDE
+        if not memory or needed <= memory:
+            return ""
+        return (
+            f"A film of {row.schedule.width} x {row.schedule.height} needs {needed / 2**30:.1f} GiB of "
+            f"memory where the coordinator runs, and there are {memory / 2**30:.1f} GiB: render a smaller "
+            "one, or give the coordinator more."
+        )
 
 
 def _numbers_of(row: OpenRender) -> int:
-    """That a render's sums have when it is taken up; forward photons beside adjoint ones add some."""
+    """That a render's sums have: its film's, and with forward photons theirs and those of both together."""
     per_pixel = sums_per_pixel(len(row.schedule.further_responses))
-    return row.schedule.width * row.schedule.height * per_pixel
+    films = 3 if row.schedule.photon_range_ends else 1
+    return films * row.schedule.width * row.schedule.height * per_pixel
 
 
 def _longest(ends: Iterable[int]) -> int:

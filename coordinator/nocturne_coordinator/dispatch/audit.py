@@ -149,6 +149,9 @@ class Auditor:
             self.mismatches += 1
 
     def _ask_again(self, key: JobKey, audit: _Audit) -> None:
+        if key in self._alone:
+            # Who did the job has done it again, and nobody else is there yet.
+            return
         if audit.asks < _ASKS or len(set(audit.witnesses.values())) > 1:
             if key not in self._waiting:
                 self._waiting.append(key)

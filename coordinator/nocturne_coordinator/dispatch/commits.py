@@ -3,7 +3,7 @@
 Renders are let go here, too: a commit may find one lost.
 """
 
-from nocturne_coordinator.dispatch.events import CommitDone, Moment
+from nocturne_coordinator.dispatch.events import CommitDone, MadeApart, Moment, PicturesMade
 from nocturne_coordinator.dispatch.instructions import (
     ERROR,
     WARNING,
@@ -13,6 +13,7 @@ from nocturne_coordinator.dispatch.instructions import (
     LetGo,
     Log,
     LookAgain,
+    MakePictures,
     Quarantine,
     RecordError,
     Steps,
@@ -29,6 +30,12 @@ _PREVIEW_SECONDS = 1.0
 _PREVIEW_SHARE = 0.01
 """Shortest time between two of a render, and the part of all time that may go into them. A preview and the
 error have a share each; of EXRs there is the last one only, and the API makes others for who asks."""
+
+_APART_SHARE = 0.02
+"""The same of the pictures of large films together, which a process makes."""
+
+_SHOW_SECONDS = 0.5
+"""After so much of it, results are merged before the next picture."""
 
 _FULL_SHARES = 2
 """Where more renders than these are at work, they divide what so many would have: what people look at shall
@@ -142,8 +149,14 @@ class Commits:
             each for each in self._state.renders.values() if each.totals.photons != each.pictured_photons
         ]
         part = min(1.0, _FULL_SHARES / max(1, len(changed)))
+        until = at.now + _SHOW_SECONDS
         for render in changed:
             begun = at.now
+            if not render.finds_errors:
+                at = yield from self._show_apart(render, part, at)
+                continue
+            if begun >= until:
+                continue
             if begun >= render.next_preview:
                 at = yield WritePreview(render.id)
                 pause = max(_PREVIEW_SECONDS, (at.now - begun) / (part * _PREVIEW_SHARE))
@@ -154,11 +167,32 @@ class Commits:
                 pause = max(_PREVIEW_SECONDS, (at.now - begun) / (part * _PREVIEW_SHARE))
                 render.next_figures = begun + pause
 
-    def show_final(self, render: RunningRender) -> Steps[None]:
+    def _show_apart(self, render: RunningRender, part: float, at: Moment) -> Steps[Moment]:
+        """The same of a large film: asked for until it is there."""
+        if at.now < render.next_preview:
+            return at
+        made: PicturesMade | None = yield MakePictures(render.id, final=False)
+        if made is None or made.apart is None:
+            return at
+        pause = max(_PREVIEW_SECONDS, made.apart.cpu_seconds / (part * _APART_SHARE))
+        render.next_preview = made.at.now + pause
+        return (yield from self._record(render, made.apart))
+
+    def show_final(self, render: RunningRender, made: PicturesMade) -> Steps[None]:
         """The last preview and image of a render, of all that is committed."""
         yield WriteImage(render.id)
+        if made.apart is not None:
+            yield from self._record(render, made.apart)
+            return
         yield WritePreview(render.id, final=True)
         yield from self._show_error(render)
+
+    def _record(self, render: RunningRender, made: MadeApart) -> Steps[Moment]:
+        """Tells watchers of pictures that are there."""
+        point, in_history = render.judged(made.point, made.estimate)
+        at: Moment = yield RecordError(render.id, render.row.fence, point, in_history)
+        render.pictured_photons = point.photons
+        return at
 
     def _show_error(self, render: RunningRender) -> Steps[Moment]:
         """The error and a small picture, which cost less than a preview; tells watchers of all of them."""

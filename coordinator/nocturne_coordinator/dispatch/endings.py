@@ -3,7 +3,7 @@
 from nocturne_coordinator.dispatch.admission import Admission
 from nocturne_coordinator.dispatch.audit import MAX_WAIT
 from nocturne_coordinator.dispatch.commits import Commits
-from nocturne_coordinator.dispatch.events import Moment
+from nocturne_coordinator.dispatch.events import Moment, PicturesMade
 from nocturne_coordinator.dispatch.instructions import MakePictures, Steps, Withdraw
 from nocturne_coordinator.dispatch.records import RenderState
 from nocturne_coordinator.dispatch.running_render import RunningRender
@@ -52,7 +52,7 @@ class Endings:
         try:
             yield from self._end_failed()
             for render, state, reason in endings:
-                yield from self._end_with_image(render, state, reason, at.now)
+                yield from self._end_with_image(render, state, reason, at)
         except LeaseLost as lost:
             yield from self._commits.lose(lost.render_id)
         except FolderTrouble as trouble:
@@ -85,18 +85,22 @@ class Endings:
             del failed[render_id]
 
     def _end_with_image(
-        self, render: RunningRender, state: RenderState, reason: str, now: float
+        self, render: RunningRender, state: RenderState, reason: str, at: Moment
     ) -> Steps[None]:
         """Images first, then the state: who sees that it has ended finds them."""
         if render.id not in self._state.renders:
             return
-        if render.totals.photons and not (yield MakePictures(render.id)):
-            self._pictured_at[render.id] = now + self._state.settings.commit_seconds
-            self._state.needs_audits_only.add(render.id)
-            return
-        self._pictured_at.pop(render.id, None)
         if render.totals.photons:
-            yield from self._commits.show_final(render)
+            made: PicturesMade | None = yield MakePictures(render.id)
+            if made is None:
+                self._pictured_at[render.id] = at.now + self._state.settings.commit_seconds
+                self._state.needs_audits_only.add(render.id)
+                return
+            self._pictured_at.pop(render.id, None)
+            yield from self._commits.show_final(render, made)
+            if made.apart is not None:
+                # What is said of the error is known now.
+                state, reason = render.ending(at.now, at.unix) or (state, reason)
         if disputed := self._state.auditor.disputed(render.id):
             key, workers = disputed[0]
             state = RenderState.DEGRADED

@@ -49,7 +49,7 @@ class Squares(NamedTuple):
     of_blocks: Sums
     """Products, shape (blocks down, blocks across, 6)."""
     of_tiles: Sums
-    """The same of tiles, shape (tiles down, tiles across, 6)."""
+    """The same of tiles, shape (tiles down, tiles across, 6 or, with further responses, more)."""
     tile_size: int
 
 

@@ -4,8 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from nocturne_coordinator.dispatch.error_estimate import ErrorEstimate
 from nocturne_coordinator.dispatch.liveness import Holder
-from nocturne_coordinator.dispatch.records import OpenRender, WorkerRow
+from nocturne_coordinator.dispatch.records import ErrorPoint, OpenRender, WorkerRow
 
 
 class Moment(NamedTuple):
@@ -104,6 +105,24 @@ class Stopping(Event):
     """The process is to end in order."""
 
     at: Moment
+
+
+@dataclass(frozen=True, slots=True)
+class MadeApart:
+    """What a process found that made the pictures of a large film."""
+
+    point: ErrorPoint
+    estimate: ErrorEstimate
+    cpu_seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class PicturesMade:
+    """Answer to MakePictures."""
+
+    at: Moment
+    apart: MadeApart | None = None
+    """None: of a small film, whose pictures are made when they are written."""
 
 
 @dataclass(frozen=True, slots=True)

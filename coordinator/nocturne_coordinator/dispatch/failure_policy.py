@@ -2,7 +2,8 @@
 elsewhere.
 
 Pure. A failure is charged to a worker only when another one then does the job, so a scene that nobody can
-trace costs no worker its place. A worker that says farewell, or is only slow, has not failed.
+trace costs no worker its place. A worker that says farewell, or is only slow, has not failed. What was longer
+ago than an hour is forgotten: everybody fails at times, and a coordinator lives for months.
 
 A process that died with a job in hand may have died of it, or because somebody pulled a plug. Where plugs are
 pulled often, three deaths at one job, or three of a worker in a row, come about by chance in a long night; so
@@ -22,7 +23,16 @@ _BY_CHANCE = 1e-7
 
 _MAX_DEATHS = 8
 
+_CHARGED_SECONDS = 3600.0
+"""Failures count for so long: who fails at every twentieth job and takes minutes for each is still found."""
+
 _LIES_SECONDS = 86400.0
+
+_LONG, _SHORT = 3600.0, 60.0
+"""Half-lives of what is counted of deaths: processes die at a rate, and at times many at once."""
+
+_ENOUGH = 1000.0
+"""Ends of jobs within the short one that tell how often processes die right now."""
 
 
 @dataclass(slots=True)
@@ -42,20 +52,47 @@ class PoisonedJob:
     workers: tuple[str, ...]
 
 
+class _Lately:
+    """Deaths and done jobs, of which each counts half after so many seconds."""
+
+    def __init__(self, half_life: float) -> None:
+        self._half_life = half_life
+        self._deaths = 0.0
+        self._done = 0.0
+        self._at = 0.0
+
+    def count(self, now: float, deaths: int = 0, done: int = 0) -> None:
+        """More of them."""
+        left = 0.5 ** (max(0.0, now - self._at) / self._half_life)
+        self._deaths = left * self._deaths + deaths
+        self._done = left * self._done + done
+        self._at = max(self._at, now)
+
+    @property
+    def ends(self) -> float:
+        """Of either kind."""
+        return self._deaths + self._done
+
+    @property
+    def part(self) -> float:
+        """Of all jobs those that end by the death of a process, if nothing else is known one in two."""
+        return (self._deaths + 1.0) / (self.ends + 2.0)
+
+
 class FailurePolicy:
     """Recent failures, by job and by worker."""
 
     def __init__(self) -> None:
         self._failures: dict[JobKey, _Failures] = {}
-        self._charges: dict[str, set[JobKey]] = {}
-        self._deaths_in_a_row: dict[str, set[JobKey]] = {}
+        self._charges: dict[str, dict[JobKey, float]] = {}
+        """By worker, jobs that others could do, and when they did."""
+        self._deaths_in_a_row: dict[str, dict[JobKey, float]] = {}
         self._lies: dict[str, dict[str, float]] = {}
         """By token, its machines that lied, and when."""
-        self._deaths = 0
-        self._done = 0
+        self._long, self._short = _Lately(_LONG), _Lately(_SHORT)
 
     def failed(
-        self, key: JobKey, worker: str, reason: str, live: Collection[str], died: bool = False
+        self, key: JobKey, worker: str, reason: str, live: Collection[str], now: float, died: bool = False
     ) -> PoisonedJob | None:
         """A worker failed at a job, or sent what can't be right, or died; the verdict if the job is at fault.
 
@@ -67,8 +104,8 @@ class FailurePolicy:
         failures.times += 1
         if died:
             failures.died.add(worker)
-            self._deaths += 1
-            self._deaths_in_a_row.setdefault(worker, set()).add(key)
+            self._count(now, deaths=1)
+            self._deaths_in_a_row[worker] = {**self._recent(self._deaths_in_a_row, worker, now), key: now}
         needed = self._deaths_needed() if failures.died else DISTINCT_WORKERS
         owners = {token_of(each) for each in failures.reasons}
         # Who holds a token may give its machines any names: others must have failed, too, if there are any.
@@ -81,9 +118,9 @@ class FailurePolicy:
         del self._failures[key]
         return PoisonedJob(reason, tuple(sorted(failures.reasons)))
 
-    def succeeded(self, key: JobKey, worker: str) -> list[str]:
+    def succeeded(self, key: JobKey, worker: str, now: float) -> list[str]:
         """A job was done; gives the workers that have failed at too many jobs that others could do."""
-        self._done += 1
+        self._count(now, done=1)
         self._deaths_in_a_row.pop(worker, None)
         failures = self._failures.pop(key, None)
         if failures is None:
@@ -91,11 +128,11 @@ class FailurePolicy:
         guilty = [
             died
             for died in failures.died - {worker}
-            if len(self._deaths_in_a_row.get(died, ())) >= self._deaths_needed()
+            if len(self._recent(self._deaths_in_a_row, died, now)) >= self._deaths_needed()
         ]
         for failed in failures.reasons.keys() - failures.died - {worker}:
-            charges = self._charges.setdefault(failed, set())
-            charges.add(key)
+            charges = {**self._recent(self._charges, failed, now), key: now}
+            self._charges[failed] = charges
             if len(charges) >= DISTINCT_JOBS:
                 del self._charges[failed]
                 guilty.append(failed)
@@ -113,11 +150,23 @@ class FailurePolicy:
 
     def _deaths_needed(self) -> int:
         """So many of them that they do not come about by chance, as often as processes die lately."""
-        part = (self._deaths + 1) / (self._deaths + self._done + 2)
+        part = self._long.part
+        if self._short.ends >= _ENOUGH:
+            part = max(part, self._short.part)
         by_chance = math.ceil(math.log(_BY_CHANCE) / math.log(part))
         return min(max(DISTINCT_WORKERS, by_chance), _MAX_DEATHS)
 
+    def _count(self, now: float, deaths: int = 0, done: int = 0) -> None:
+        for lately in (self._long, self._short):
+            lately.count(now, deaths, done)
+
+    def _recent(
+        self, failures: dict[str, dict[JobKey, float]], worker: str, now: float
+    ) -> dict[JobKey, float]:
+        """A worker's that still count."""
+        return {key: at for key, at in failures.get(worker, {}).items() if at > now - _CHARGED_SECONDS}
+
     def forget(self, render_id: str) -> None:
-        """The render is not worked on any more."""
+        """The render is not worked on any more; what its workers failed at counts on."""
         for key in [key for key in self._failures if key.render_id == render_id]:
             del self._failures[key]

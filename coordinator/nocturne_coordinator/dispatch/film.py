@@ -5,7 +5,7 @@ from bisect import bisect_left
 
 import numpy as np
 from nocturne_scene.ranges import PHOTON_BUNDLE, sample_ends
-from nocturne_scene.tile_sums import PRODUCTS, TileSums, decode
+from nocturne_scene.tile_sums import TileSums, decode
 
 from nocturne_coordinator.dispatch.error_estimate import ErrorEstimate, Squares, estimate_error
 from nocturne_coordinator.dispatch.film_sums import FilmSums
@@ -200,16 +200,11 @@ class MergedFilm:
         return self._shown.whole.pixels
 
     @property
-    def numbers_held(self) -> int:
-        """Of pixels, in memory."""
-        return self._shown.whole.pixels.size * (3 if self.forward else 1)
-
-    @property
     def squares(self) -> Squares:
         """Sums for the correlation of neighbours' errors."""
         self._refresh()
         grid, whole = self._render.grid, self._shown.whole
-        tiles = whole.tile_products.reshape(-1, grid.columns, PRODUCTS)
+        tiles = whole.tile_products.reshape(-1, grid.columns, whole.tile_products.shape[-1])
         return Squares(whole.block_products, tiles, grid.tile_size)
 
     def _together(self, tile_index: int) -> TileSums | None:

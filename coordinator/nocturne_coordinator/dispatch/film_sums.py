@@ -5,7 +5,14 @@ from typing import Self
 
 import numpy as np
 from nocturne_scene.ranges import TileGrid
-from nocturne_scene.tile_sums import BLOCK, PRODUCTS, TileSums, blocks_in, sums_per_pixel
+from nocturne_scene.tile_sums import (
+    BLOCK,
+    PRODUCTS,
+    TileSums,
+    blocks_in,
+    products_of_tile,
+    sums_per_pixel,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +28,7 @@ class FilmSums:
         """Of a film without samples."""
         pixels = np.zeros((grid.height, grid.width, sums_per_pixel(further)))
         blocks = np.zeros((blocks_in(grid.height), blocks_in(grid.width), PRODUCTS))
-        return cls(grid, TileSums(pixels, blocks, np.zeros((grid.count, PRODUCTS))))
+        return cls(grid, TileSums(pixels, blocks, np.zeros((grid.count, products_of_tile(further)))))
 
     def tile(self, index: int) -> TileSums:
         """Views of a tile's."""

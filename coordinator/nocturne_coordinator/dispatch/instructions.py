@@ -182,7 +182,7 @@ class WriteBundle(Instruction):
 
 @dataclass(frozen=True, slots=True)
 class WritePreview(Instruction):
-    """Replace a running render's preview. Answer: the moment when that was done."""
+    """Replace a render's preview. Answer: the moment when that was done."""
 
     render_id: str
     final: bool = False
@@ -207,15 +207,17 @@ class RecordError(Instruction):
 
 @dataclass(frozen=True, slots=True)
 class MakePictures(Instruction):
-    """Make the last pictures of a render, all of whose results are committed. Answer: whether they are made;
-    if not, to be asked again."""
+    """Make the last pictures of a render, all of whose results are committed; or others than the `final`
+    ones, which take their places at once. Answer: PicturesMade, or None: to be asked again."""
 
     render_id: str
+    final: bool = True
 
 
 @dataclass(frozen=True, slots=True)
 class WriteImage(Instruction):
-    """Write the image of a render that ends. Answer: the moment when that was done."""
+    """Write the image of a render that ends; with it all pictures that are made already. Answer: the moment
+    when that was done."""
 
     render_id: str
 

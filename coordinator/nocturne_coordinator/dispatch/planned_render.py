@@ -204,11 +204,12 @@ def check_sums(sums: TileSums, samples: int) -> None:
     table[2:, :pixels] = of_pixels[:, 2:XYZ_SUMS].T
     table[:3, pixels:] = 0.0
     table[3:, pixels:-1] = of_blocks.T
-    table[3:, -1] = sums.tile_products[0]
+    table[3:, -1] = sums.tile_products[0, :PRODUCTS]
     further = of_pixels[:, XYZ_SUMS:]
     _check_range(table)
     if further.size:
         _check_range(further)
+        _check_range(sums.tile_products)
     if count := further.shape[-1] // 2:
         _check_products(further[:, :count] ** 2, further[:, count:], samples)
     film = table[:, :pixels].reshape(-1, height, width)

@@ -75,7 +75,7 @@ class ResultHandler:
         self._take_for(render, entry, result, now, draw, outcome)
         return outcome
 
-    def lost_worker(self, key: JobKey, worker: str) -> Outcome:
+    def lost_worker(self, key: JobKey, worker: str, now: float) -> Outcome:
         """A worker's process ended without a word while it had a job."""
         outcome = Outcome(render_id=key.render_id)
         if key.render_id in self._state.renders:
@@ -84,6 +84,7 @@ class ResultHandler:
                 key,
                 machine_of(worker),
                 f"worker {worker} died of it",
+                now,
                 outcome,
                 died=True,
             )
@@ -124,16 +125,16 @@ class ResultHandler:
         if result.WhichOneof("outcome") == "failure":
             outcome.settled.append(entry)
             if result.stopped_too_long:
-                self._stopped(render, key, worker, result.failure[:MAX_REASON], outcome)
+                self._stopped(render, key, worker, result.failure[:MAX_REASON], now, outcome)
             else:
-                self._fail(render, key, worker, result.failure[:MAX_REASON], outcome)
+                self._fail(render, key, worker, result.failure[:MAX_REASON], now, outcome)
             return
         partial = result.partial
         try:
             sums = render.planned.check_partial(partial, result.job)
         except RefusedResult as refusal:
             self._refuse_of(render, entry, f"worker={worker}: {refusal}", outcome)
-            self._fail(render, key, worker, f"worker {worker} sent {refusal}", outcome)
+            self._fail(render, key, worker, f"worker {worker} sent {refusal}", now, outcome)
             return
         render.floating_point_profile = floating_point_profile
         offered = RangeSums(
@@ -150,7 +151,7 @@ class ResultHandler:
         self._merge(render, key, offered, now, draw, outcome, partial)
 
     def _stopped(
-        self, render: RunningRender, key: JobKey, worker: str, reason: str, outcome: Outcome
+        self, render: RunningRender, key: JobKey, worker: str, reason: str, now: float, outcome: Outcome
     ) -> None:
         """A worker stopped a job beyond its processor time: shorter ones take its place, if they can."""
         # By our own figures: what the worker says it took might be anything.
@@ -160,7 +161,7 @@ class ResultHandler:
             outcome.lines.append(Log(WARNING, f"{key} took too long at worker={worker}; it is cut"))
             self._give_back(key, outcome)
         else:
-            self._fail(render, key, worker, reason, outcome)
+            self._fail(render, key, worker, reason, now, outcome)
 
     def _merge(
         self,
@@ -191,7 +192,7 @@ class ResultHandler:
                 lambda: self._state.fleet.live(render.floating_point_profile),
                 draw,
             )
-            for guilty in self._state.failure_policy.succeeded(key, offered.worker):
+            for guilty in self._state.failure_policy.succeeded(key, offered.worker, now):
                 reason = "It failed at three jobs that other workers could do."
                 outcome.quarantined.append(Quarantine(guilty, reason, lied=False))
         if verdict in (MergeResult.TOO_EARLY, MergeResult.DUPLICATE):
@@ -240,6 +241,7 @@ class ResultHandler:
         key: JobKey,
         worker: str,
         reason: str,
+        now: float,
         outcome: Outcome,
         died: bool = False,
     ) -> None:
@@ -252,7 +254,7 @@ class ResultHandler:
             return
         outcome.lines.append(Log(WARNING, f"{key} failed at worker={worker}: {reason}"))
         verdict = self._state.failure_policy.failed(
-            key, worker, reason, self._state.fleet.live(render.floating_point_profile), died
+            key, worker, reason, self._state.fleet.live(render.floating_point_profile), now, died
         )
         if verdict is not None:
             self._fail_tile(render, key, verdict, outcome)

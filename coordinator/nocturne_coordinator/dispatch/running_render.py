@@ -29,6 +29,7 @@ from nocturne_coordinator.dispatch.records import (
     TileRows,
 )
 from nocturne_coordinator.dispatch.trust import CONFIDENCE, RangeEnd, confirmed, doubt_of, falls
+from nocturne_coordinator.limits import MAX_LOOKED_AT_PIXELS
 
 _RATE_SECONDS = 10.0
 """Over which photons per second are counted: many jobs, yet soon 0 when the workers are gone."""
@@ -39,6 +40,9 @@ _HISTORY_STEP = 1.01
 
 class RunningRender:
     """The film and totals of one render in memory."""
+
+    is_alone = False
+    """In a process of its own: nothing else waits while its error is found."""
 
     def __init__(
         self,
@@ -81,15 +85,7 @@ class RunningRender:
         self._contributors: dict[int, set[str]] = {}
         self._since = now
         self._invalid_samples = [0] * len(self.film.queues)
-        for tile in tiles:
-            own = tile.own or tile.sums
-            self.film.load(tile.tile_index, tile.samples, own, tile.error_before, tile.photons)
-            self._invalid_samples[tile.tile_index] = tile.invalid_samples
-        self.film.loaded()
-        for tile_index in self.failed_tiles:
-            self.film.give_up(tile_index)
-        self.totals.ranges = sum(queue.merged for queue in self.film.queues)
-        self.totals.photons = self.film.traced_samples * self.planned.photons_per_sample
+        self._load(tiles)
         self._job_seconds = job_seconds
         self._longest: dict[bool, int] = {}
         """Samples to which ranges of tiles are to be cut, and bundles to which those of forward photons."""
@@ -100,9 +96,25 @@ class RunningRender:
         # The first one sooner: somebody may be waiting to see that it is the right scene.
         self._next_photon_commit = now + photon_commit_seconds(self.planned.pixels) / 4
 
+    def _load(self, tiles: Iterable[TileRow]) -> None:
+        for tile in tiles:
+            own = tile.own or tile.sums
+            self.film.load(tile.tile_index, tile.samples, own, tile.error_before, tile.photons)
+            self._invalid_samples[tile.tile_index] = tile.invalid_samples
+        self.film.loaded()
+        for tile_index in self.failed_tiles:
+            self.film.give_up(tile_index)
+        self.totals.ranges = sum(queue.merged for queue in self.film.queues)
+        self.totals.photons = self.film.traced_samples * self.planned.photons_per_sample
+
     @property
     def id(self) -> str:
         return self.planned.id
+
+    @property
+    def finds_errors(self) -> bool:
+        """Whether it does so itself; else they are told by `judged`."""
+        return self.is_alone or self.planned.pixels <= MAX_LOOKED_AT_PIXELS
 
     def take_layers(self, row: OpenRender) -> None:
         """Takes over what its row says now of layers."""
@@ -438,10 +450,13 @@ class RunningRender:
             unseen_pixels=estimate.unseen_pixels,
             doubt=self.doubt,
         )
+        return point, self._is_for_history(point)
+
+    def _is_for_history(self, point: ErrorPoint) -> bool:
         in_history = point.relative_error > 0.0 and point.photons >= self._history_photons
         if in_history:
             self._history_photons = point.photons * _HISTORY_STEP
-        return point, in_history
+        return in_history
 
     @property
     def doubt(self) -> str:
@@ -459,12 +474,20 @@ class RunningRender:
         self._judge()
         return doubt_of(self.estimate)
 
+    def judged(self, point: ErrorPoint, estimate: ErrorEstimate) -> tuple[ErrorPoint, bool]:
+        """The error was found elsewhere; gives the point as it is to be told, and whether for the history."""
+        self._took(estimate)
+        point = replace(point, doubt=self.doubt)
+        return point, self._is_for_history(point)
+
     def _judge(self) -> None:
         """Estimates the error of the merged results."""
-        if self._judged_photons == self.totals.photons:
-            return
-        self._judged_photons = self.totals.photons
-        self.estimate = self.film.estimate()
+        if self._judged_photons != self.totals.photons and self.finds_errors:
+            self._judged_photons = self.totals.photons
+            self._took(self.film.estimate())
+
+    def _took(self, estimate: ErrorEstimate) -> None:
+        self.estimate = estimate
         now = RangeEnd.of(self.estimate)
         if now.samples > self._now.samples:
             self._before = self._now

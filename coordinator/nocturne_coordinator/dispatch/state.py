@@ -27,6 +27,8 @@ class Settings:
     job_seconds: float = JOB_SECONDS
     enrolled: bool = False
     """Only machines that enrolled work, and nobody knows whether each is honest."""
+    memory_bytes: int = 0
+    """That the coordinator has with the processes that make pictures; 0: unknown, and enough."""
 
 
 @dataclass(slots=True)

@@ -13,11 +13,13 @@ import numpy as np
 import numpy.typing as npt
 import OpenEXR
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
+from nocturne_scene import response_correlations
 from nocturne_scene.bands import spectral_attributes
 from nocturne_scene.layers import NO_LAYERS, Layers
 from nocturne_scene.quantities import LUMINANCE, quantity_named
 from nocturne_scene.render_warnings import RenderWarning, header_lines
 from nocturne_scene.spectra.published import XYZ_TO_SRGB
+from nocturne_scene.spectra.wavelength_range import VISIBLE, WavelengthRange
 from nocturne_scene.tile_sums import (
     BLOCK,
     PAIR_FIRST,
@@ -77,6 +79,10 @@ class Provenance:
     """How the scene is traced and why, where a pilot chose."""
     warnings: tuple[RenderWarning, ...] = ()
     """What a pilot found that the image may not show."""
+    wavelengths: WavelengthRange = VISIBLE
+    """Those of the scene."""
+    instruments: str = ""
+    """What the sensor measures where, in metres, as JSON."""
 
 
 def manifest_text(samples: Sequence[int]) -> str:
@@ -193,6 +199,7 @@ def write_image(
     }
     if provenance.manifest:
         header["nocturne:tileSamples"] = provenance.manifest
+    header["nocturne:wavelengths"] = str(provenance.wavelengths)
     header |= _measured(provenance.quantity)
     header |= spectral_attributes(further_responses, quantity_named(provenance.quantity))
     if provenance.doubt:
@@ -203,7 +210,12 @@ def write_image(
     if provenance.truncated_paths:
         header["nocturne:truncatedPaths"] = str(provenance.truncated_paths)
     # A sensor may have responses with such names: they go first.
-    channels = {**layers.channels, **_exr_channels(sums, counts, squares, further_responses)}
+    measured, correlations = _exr_channels(sums, counts, squares, further_responses)
+    channels = {**layers.channels, **measured}
+    if correlations is not None and (text := response_correlations.encode(correlations)):
+        header[response_correlations.ATTRIBUTE] = text
+    if provenance.instruments:
+        header["nocturne:instruments"] = provenance.instruments
     try:
         with OpenEXR.File({**header, **layers.attributes}, channels) as file:
             file.write(str(path))
@@ -227,10 +239,31 @@ def _measured(name: str) -> dict[str, Any]:
     return attributes
 
 
+_BAND_PIXELS = 2**20
+"""Of an image of which channels are made at once: its moments take four times as much memory."""
+
+
 def _exr_channels(
     sums: Sums, counts: Counts, squares: Squares, further_responses: Sequence[str]
-) -> dict[str, npt.NDArray[Any]]:
-    moments = moments_of(sums, counts, *squares)
+) -> tuple[dict[str, npt.NDArray[Any]], Values | None]:
+    """And the correlations of all values in each tile, as ImageMoments has them."""
+    edge, (height, width) = squares.tile_size, counts.shape
+    tiles = max(1, _BAND_PIXELS // (edge * width))
+    channels: dict[str, npt.NDArray[Any]] = {}
+    correlations: list[Values] = []
+    for first in range(0, squares.of_tiles.shape[0], tiles):
+        rows = slice(first * edge, (first + tiles) * edge)
+        blocks = slice(first * edge // BLOCK, (first + tiles) * edge // BLOCK)
+        of_band = Squares(squares.of_blocks[blocks], squares.of_tiles[first : first + tiles], edge)
+        moments = moments_of(sums[rows], counts[rows], *of_band)
+        for name, values in _channels_of(moments, further_responses).items():
+            channels.setdefault(name, np.empty((height, width), values.dtype))[rows] = values
+        if moments.correlations is not None:
+            correlations.append(moments.correlations)
+    return channels, np.concatenate(correlations) if correlations else None
+
+
+def _channels_of(moments: ImageMoments, further_responses: Sequence[str]) -> dict[str, npt.NDArray[Any]]:
     mean, errors = moments.mean.astype(np.float32), np.sqrt(moments.variance + moments.one_more)
     names = ["X", "Y", "Z", *further_responses]
     channels = {
@@ -241,7 +274,7 @@ def _exr_channels(
             _correlation_of(moments.covariance, np.sqrt(moments.variance)),
         ),
         **_ratios(moments),
-        "n": np.ascontiguousarray(counts, dtype=np.uint32),
+        "n": np.ascontiguousarray(moments.samples, dtype=np.uint32),
     }
     # A sensor may have responses with these names: they say more than what only viewers need.
     rgb = {} if channels.keys() & set("RGB") else planes("RGB", linear_srgb(mean[..., :3]))

@@ -1,6 +1,6 @@
 """A program: the pictures of one render from its committed sums, and their error.
 
-    python -m nocturne_coordinator.output.picture_process DATA RENDER FOLDER
+    python -m nocturne_coordinator.output.picture_process DATA RENDER FOLDER [--final]
 
 Large films take a minute and gigabytes: this is not the coordinator's time, nor its memory."""
 
@@ -18,7 +18,7 @@ from pathlib import Path
 from nocturne_scene.replacing import sync
 
 from nocturne_coordinator.dispatch.running_render import RunningRender
-from nocturne_coordinator.output.pictures import ANSWER, IMAGE, PREVIEW, THUMBNAIL, write_pictures
+from nocturne_coordinator.output.pictures import ANSWER, write_pictures
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.open_renders import find_render, tiles_of
 
@@ -30,6 +30,7 @@ _PR_SET_PDEATHSIG = 1
 
 def main() -> int:
     data, render_id, place = Path(sys.argv[1]), sys.argv[2], Path(sys.argv[3])
+    final = sys.argv[4:] == ["--final"]
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
     os.nice(5)
     # Where memory is short, this process goes and not the coordinator.
@@ -44,11 +45,18 @@ def main() -> int:
         most = _MEMORY + _MEMORY_PER_PIXEL * row.schedule.width * row.schedule.height
         resource.setrlimit(resource.RLIMIT_AS, (most, most))
         render = RunningRender(row, tiles_of(folder.database, render_id))
-    write_pictures(folder, render, place)
-    for name in (IMAGE, PREVIEW, THUMBNAIL):
-        sync(place / name)
+    render.is_alone = True
+    written = write_pictures(folder, render, place, final)
+    if final:
+        for path in written:
+            sync(path)
     point, _ = render.error_point(time.time())
-    answer = {"photons": render.totals.photons, "point": asdict(point)}
+    answer = {
+        "photons": render.totals.photons,
+        "point": asdict(point),
+        "estimate": asdict(render.estimate),
+        "cpu_seconds": time.process_time(),
+    }
     (place / ANSWER).write_text(json.dumps(answer))
     return 0
 

@@ -15,11 +15,14 @@ from nocturne_scene.errors import NotFound
 from nocturne_scene.layers import NO_LAYERS, Layers, read_layers
 from nocturne_scene.render_warnings import from_messages
 from nocturne_scene.replacing import UNFINISHED
+from nocturne_scene.scene_ranges import wavelengths_of
 
+from nocturne_coordinator.dispatch.error_estimate import ErrorEstimate
 from nocturne_coordinator.dispatch.records import ErrorPoint
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.output.images import (
     FINAL_COMPRESSION,
+    LIVE_COMPRESSION,
     Provenance,
     manifest_text,
     write_image,
@@ -29,7 +32,7 @@ from nocturne_coordinator.output.images import (
 from nocturne_coordinator.store.data_folder import DataFolder
 
 APART_PIXELS = 2**18
-"""Films larger than that are written by processes: the EXR of so many pixels takes 0.4 s."""
+"""The last pictures of larger films are written by processes: the EXR of so many pixels takes 0.4 s."""
 
 IMAGE, PREVIEW, THUMBNAIL = "image.exr", "preview.png", "thumbnail.png"
 ANSWER = "answer.json"
@@ -72,6 +75,8 @@ class Painted:
     photons: int
     """Of how many photons they are."""
     point: ErrorPoint
+    estimate: ErrorEstimate
+    cpu_seconds: float
 
     def remove(self) -> None:
         """What is not moved is gone."""
@@ -83,6 +88,7 @@ class _Running:
     render_id: str
     process: subprocess.Popen[bytes]
     folder: Path
+    final: bool
     asked: float
 
 
@@ -94,25 +100,28 @@ class PictureProcesses:
         self._pauses = pauses
         self._running: dict[str, _Running] = {}
 
-    def ask(self, render_id: str, owner: str, photons: int, place: Path) -> Painted | None:
-        """Pictures of a render with so many photons; None: they are being made, or will be. `place` is where
-        its pictures lie."""
+    def ask(self, render_id: str, owner: str, photons: int, place: Path, final: bool) -> Painted | None:
+        """Pictures of a render, the `final` ones with so many photons; None: they are being made, or will be.
+        `place` is where its pictures lie."""
         running = self._running.get(owner)
         if running is not None and running.render_id != render_id:
             if time.monotonic() < running.asked + _UNWANTED_SECONDS:
                 return None
             self._end(owner)
             running = None
+        if running is not None and running.final != final:
+            self._end(owner)
+            running = None
         if running is None:
             if self._pauses.over(render_id):
-                self._start(render_id, owner, place)
+                self._start(render_id, owner, place, final)
             return None
         running.asked = time.monotonic()
         if running.process.poll() is None:
             return None
         del self._running[owner]
         painted = self._result(running)
-        if painted is not None and painted.photons != photons:
+        if painted is not None and final and painted.photons != photons:
             # More was committed meanwhile.
             painted.remove()
             painted = None
@@ -123,21 +132,24 @@ class PictureProcesses:
         for owner in list(self._running):
             self._end(owner)
 
-    def _start(self, render_id: str, owner: str, place: Path) -> None:
+    def _start(self, render_id: str, owner: str, place: Path, final: bool) -> None:
         place.mkdir(parents=True, exist_ok=True)
         for left in place.glob(f"{UNFINISHED}pictures-*"):
             shutil.rmtree(left, ignore_errors=True)
         folder = Path(tempfile.mkdtemp(prefix=f"{UNFINISHED}pictures-", dir=place))
         program = (sys.executable, "-m", "nocturne_coordinator.output.picture_process")
         process = subprocess.Popen(  # noqa: S603 - a program of our own
-            [*program, str(self._data), render_id, str(folder)], stdin=subprocess.DEVNULL
+            [*program, str(self._data), render_id, str(folder), *(["--final"] if final else [])],
+            stdin=subprocess.DEVNULL,
         )
-        self._running[owner] = _Running(render_id, process, folder, time.monotonic())
+        self._running[owner] = _Running(render_id, process, folder, final, time.monotonic())
 
     def _result(self, running: _Running) -> Painted | None:
         try:
             told = json.loads((running.folder / ANSWER).read_bytes())
-            painted = Painted(running.folder, told["photons"], ErrorPoint(**told["point"]))
+            point, estimate = ErrorPoint(**told["point"]), ErrorEstimate(**told["estimate"])
+            painted = Painted(running.folder, told["photons"], point, estimate, told["cpu_seconds"])
+            self._pauses.worked(running.render_id)
         except (OSError, ValueError, KeyError, TypeError):
             shutil.rmtree(running.folder, ignore_errors=True)
             self._pauses.failed(running.render_id)
@@ -153,11 +165,14 @@ class PictureProcesses:
         shutil.rmtree(running.folder, ignore_errors=True)
 
 
-def write_pictures(folder: DataFolder, render: RunningRender, place: Path) -> None:
-    """Image, preview and small picture of all that is merged, as files of a folder."""
-    write_image_of(folder, render, place / IMAGE)
-    write_preview(place / PREVIEW, render.film.sums, render.film.counts, FINAL_COMPRESSION)
+def write_pictures(folder: DataFolder, render: RunningRender, place: Path, final: bool) -> list[Path]:
+    """Preview and small picture of all that is merged, and the `final` image, as files of a folder."""
+    if final:
+        write_image_of(folder, render, place / IMAGE)
+    compression = FINAL_COMPRESSION if final else LIVE_COMPRESSION
+    write_preview(place / PREVIEW, render.film.sums, render.film.counts, compression)
     write_thumbnail(place / THUMBNAIL, render.film.sums, render.film.counts)
+    return [place / name for name in (IMAGE, PREVIEW, THUMBNAIL) if final or name != IMAGE]
 
 
 def write_image_of(folder: DataFolder, render: RunningRender, path: Path) -> None:
@@ -194,6 +209,8 @@ def provenance_of(render: RunningRender) -> Provenance:
         render.totals.truncated_paths,
         render.planned.schedule.way,
         from_messages(render.planned.schedule.warnings),
+        wavelengths_of(render.planned.schedule),
+        render.planned.schedule.instruments,
     )
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 from nocturne_scene.errors import NotFound
 from nocturne_scene.replacing import replacing, sync
 
+from nocturne_coordinator.dispatch.events import MadeApart, Moment, PicturesMade
 from nocturne_coordinator.dispatch.records import FailedTile, OpenRender
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.errors import LeaseLost
@@ -55,9 +56,7 @@ class Previews:
         self._pauses = Pauses()
         self._processes = PictureProcesses(getattr(folder, "root", Path()), self._pauses)
         self._painted: dict[str, Painted] = {}
-        """By render, pictures to be put in place."""
-        self._placed: set[str] = set()
-        """Renders whose final preview is there already."""
+        """By render, final pictures to be put in place."""
 
     def write_bundle(self, render: RunningRender, failed: FailedTile) -> None:
         """What reproduces the failure of a tile; OSError, NotFound."""
@@ -98,55 +97,57 @@ class Previews:
 
     def _finish_apart(self, waiting: OpenRender) -> None:
         painted, photons = None, waiting.totals.photons
-        if photons and (painted := self._ask(waiting, photons)) is None:
+        if photons and (painted := self._ask(waiting, photons, final=True)) is None:
             return
         row = self._ledger.renders.take(waiting.id)
         if row is None:
             return
         if painted is not None:
-            self._painted[row.id] = painted
-            self._place_all(row)
+            self._place_all(row, painted, final=True)
             self._ledger.commits.record_preview(row.id, row.fence, painted.point, in_history=True)
         self._ledger.commits.images_written(row.id, row.fence)
         self._ledger.leases.let_go(row.id, row.fence)
 
     # --- by processes ---
 
-    def are_ready(self, render: RunningRender) -> bool:
-        """Whether the final pictures of all that is committed can be put in place at once; asked for again
-        until they can."""
+    def made(self, render: RunningRender, final: bool, moment: Callable[[], Moment]) -> PicturesMade | None:
+        """Pictures of all that is committed: the `final` ones can be put in place at once, others are there.
+        None: asked for again until they are."""
         if not self._is_apart(render.row):
-            return True
-        painted = self._ask(render.row, render.totals.photons)
-        if painted is not None:
+            return PicturesMade(moment())
+        painted = self._ask(render.row, render.totals.photons, final)
+        if painted is None:
+            return None
+        if final:
             self._painted[render.id] = painted
-        return painted is not None
+        else:
+            self._place_all(render.row, painted, final)
+        return PicturesMade(moment(), MadeApart(painted.point, painted.estimate, painted.cpu_seconds))
 
     def close(self) -> None:
         """Ends all work."""
         self._processes.close()
 
-    def _ask(self, row: OpenRender, photons: int) -> Painted | None:
+    def _ask(self, row: OpenRender, photons: int, final: bool) -> Painted | None:
         try:
             place = self._folder.image_path(row.id).parent
         except NotFound:
             raise LeaseLost(row.id) from None
-        return self._processes.ask(row.id, row.owner, photons, place)
+        return self._processes.ask(row.id, row.owner, photons, place, final)
 
     def _is_apart(self, row: OpenRender) -> bool:
         return row.schedule.width * row.schedule.height > APART_PIXELS
 
-    def _place_all(self, row: OpenRender) -> None:
+    def _place_all(self, row: OpenRender, painted: Painted, final: bool) -> None:
         """Moves what a process made to its place."""
-        painted = self._painted.pop(row.id)
         places = (
             (IMAGE, self._folder.image_path),
             (PREVIEW, self._folder.preview_path),
             (THUMBNAIL, self._folder.thumbnail_path),
         )
         try:
-            for name, place_of in places:
-                with self._in_place(row, place_of, durable=True) as path:
+            for name, place_of in places if final else places[1:]:
+                with self._in_place(row, place_of, durable=final) as path:
                     (painted.folder / name).replace(path)
         finally:
             painted.remove()
@@ -154,9 +155,6 @@ class Previews:
     # --- here ---
 
     def write_preview(self, render: RunningRender, final: bool = False) -> None:
-        if final and render.id in self._placed:
-            self._placed.discard(render.id)
-            return
         compression = FINAL_COMPRESSION if final else LIVE_COMPRESSION
         with self._in_place(render.row, self._folder.preview_path, durable=final) as path:
             write_preview(path, render.film.sums, render.film.counts, compression)
@@ -166,9 +164,8 @@ class Previews:
             write_thumbnail(path, render.film.sums, render.film.counts)
 
     def write_image(self, render: RunningRender) -> None:
-        if render.id in self._painted:
-            self._place_all(render.row)
-            self._placed.add(render.id)
+        if painted := self._painted.pop(render.id, None):
+            self._place_all(render.row, painted, final=True)
             return
         with self._in_place(render.row, self._folder.image_path, durable=True) as path:
             write_image_of(self._folder, render, path)

@@ -15,10 +15,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import fields
 from pathlib import Path
 
+from google.protobuf.message import DecodeError
 from nocturne.v1 import job_pb2
 from nocturne_scene.errors import InputError, NotFound, Problem
 from nocturne_scene.ranges import TileGrid, ranges_planned
 from nocturne_scene.render_warnings import RenderWarning
+from nocturne_scene.scene_ranges import wavelengths_of
+from nocturne_scene.spectra.wavelength_range import VISIBLE, WavelengthRange
 from nocturne_scene.tile_sums import numbers_in
 
 from nocturne_coordinator import limits
@@ -35,7 +38,10 @@ from nocturne_coordinator.store.rows import NewRender, RenderRow
 from nocturne_coordinator.store.tags import SEARCHED, TAGGED, words_of
 
 # Columns that have another name than the field.
-_SELECTED = {"effective_sample_size_of_pixels": "effective_pixels AS effective_sample_size_of_pixels"}
+_SELECTED = {
+    "effective_sample_size_of_pixels": "effective_pixels AS effective_sample_size_of_pixels",
+    "wavelengths": "schedule AS wavelengths",
+}
 _COLUMNS = ", ".join(_SELECTED.get(field.name, field.name) for field in fields(RenderRow))
 
 _ASSET = re.compile(r"sha256:([0-9a-f]{64})")
@@ -309,7 +315,16 @@ def _render_row(row: sqlite3.Row) -> RenderRow:
     values["layers"] = tuple(json.loads(values["layers"]))
     values["tags"] = tuple(json.loads(values["tags"]))
     values["stop"] = StopConditions.from_json(values["stop"])
+    values["wavelengths"] = _wavelengths(values["wavelengths"])
     return RenderRow(**values)
+
+
+def _wavelengths(schedule: bytes) -> WavelengthRange:
+    """Of a schedule's scene; the usual ones where it can't be read, which others say more clearly."""
+    try:
+        return wavelengths_of(job_pb2.RangeSchedule.FromString(schedule))
+    except DecodeError:
+        return VISIBLE
 
 
 def _new_id() -> str:

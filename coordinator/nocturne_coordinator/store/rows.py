@@ -6,6 +6,7 @@ from nocturne.v1 import job_pb2
 from nocturne_scene.layers import known_layers
 from nocturne_scene.ranges import PHOTON_BUNDLE
 from nocturne_scene.render_warnings import RenderWarning
+from nocturne_scene.spectra.wavelength_range import WavelengthRange
 
 from nocturne_coordinator.dispatch.records import RenderState
 from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions
@@ -86,6 +87,8 @@ class RenderRow:
     invalid_samples: int
     quantity: str
     """What Y measures; see nocturne_scene.quantities."""
+    wavelengths: WavelengthRange
+    """Those of its scene."""
     warnings: tuple[RenderWarning, ...]
     """What of the scene can hardly be meant, and what the image may not show."""
     way: str

@@ -9,6 +9,7 @@ import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 from numpy.typing import NDArray
 
+from nocturne_scene import response_correlations
 from nocturne_scene.errors import InputError
 from nocturne_scene.library_words import said_by
 from nocturne_scene.picture_windows import in_window, windows_of
@@ -35,8 +36,7 @@ _TOGETHER = frozenset(
 """How errors go together."""
 
 _MAX_PIXELS = 2**26
-# With errors of all further responses.
-_MAX_CHANNELS = 1200
+_MAX_CHANNELS = 192
 
 
 @dataclass(frozen=True)
@@ -83,6 +83,7 @@ def read_picture(file: Path, max_pixels: int = _MAX_PIXELS) -> Picture:
                 raise InputError.at(str(file), f"can't be read: {said_by(picture.geterror)}")
             channels[name] = in_window(np.asarray(values, dtype=np.float64)[..., 0], data, display)
         schedule = spec.get_string_attribute("nocturne:schedule")
+        together = spec.get_string_attribute(response_correlations.ATTRIBUTE)
     finally:
         picture.close()
     pixels = np.stack([channels[name] for name in colour], axis=-1)
@@ -92,7 +93,7 @@ def read_picture(file: Path, max_pixels: int = _MAX_PIXELS) -> Picture:
     read = Picture(xyz, channels.get("Y.stderr"), channels.get("n"))
     # Blocks of a part of an image are not where those of the whole were.
     whole = data == display and channels.keys() >= _TOGETHER
-    return _with_moments(read, channels, schedule) if whole else read
+    return _with_moments(read, channels, schedule, together) if whole else read
 
 
 def _of_errors(names: Sequence[str]) -> list[str]:
@@ -104,7 +105,9 @@ def _of_errors(names: Sequence[str]) -> list[str]:
     return [*errors, *sorted(further), *sorted(_TOGETHER), "n"]
 
 
-def _with_moments(picture: Picture, channels: Mapping[str, Values], schedule: str) -> Picture:
+def _with_moments(
+    picture: Picture, channels: Mapping[str, Values], schedule: str, correlations: str
+) -> Picture:
     known = {name.removesuffix(".stderr") for name in channels if name.endswith(".stderr")}
     names = ("X", "Y", "Z", *sorted(known - {*"XYZ"}))
     edge = int(json.loads(schedule)["tileSize"]) if schedule else max(picture.xyz.shape)
@@ -125,8 +128,26 @@ def _with_moments(picture: Picture, channels: Mapping[str, Values], schedule: st
         of_tiles,
         edge,
         channels["n"].astype(np.uint32),
+        _correlations(correlations, names, schedule, of_tiles.shape),
     )
     return replace(picture, moments=moments, names=names)
+
+
+def _correlations(text: str, names: Sequence[str], schedule: str, tiles: tuple[int, ...]) -> Values | None:
+    """In the order of `names`: in the file they are in that of the schedule."""
+    if not (text and schedule):
+        return None
+    own = ["X", "Y", "Z", *json.loads(schedule).get("furtherResponses", ())]
+    if sorted(own) != sorted(names):
+        return None
+    found = response_correlations.decode(text, (tiles[0], tiles[1]), len(names))
+    if found is None:
+        return None
+    order = [own.index(name) for name in names]
+    rows, columns = np.tril_indices(len(names), -1)
+    places = np.zeros((len(names), len(names)), dtype=np.int64)
+    places[rows, columns] = places[columns, rows] = np.arange(len(rows))
+    return found[..., places[np.ix_(order, order)][rows, columns]]
 
 
 def _planes(channels: Mapping[str, Values], of: Iterable[str], what: str) -> Values:

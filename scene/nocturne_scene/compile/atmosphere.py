@@ -19,7 +19,7 @@ from nocturne_scene.document.atmosphere import Atmosphere
 from nocturne_scene.document.problems import path
 from nocturne_scene.media import presets as media_presets
 from nocturne_scene.media import rayleigh
-from nocturne_scene.spectra.published import visible_wavelengths
+from nocturne_scene.spectra.wavelength_range import WavelengthRange
 
 # nm, at which an aerosol's optical depth is given.
 AEROSOL_WAVELENGTH = 550.0
@@ -53,17 +53,18 @@ def atmosphere_surfaces(workspace: Workspace, media: Media) -> list[scene_pb2.Su
 
 
 def _layers(atmosphere: Atmosphere, media: Media, workspace: Workspace) -> list[int]:
-    found, visible = [], visible_wavelengths()
+    found, within = [], workspace.spectral
     ground = above_sphere(_centre(atmosphere), atmosphere.planet_radius, workspace.frame)
     if atmosphere.air is not None:
         air = atmosphere.air
-        depth = rayleigh.optical_depth(visible, air.pressure)
+        depth = rayleigh.optical_depth(within.grid(), air.pressure)
         scattering = depth / _column(atmosphere, air.scale_height)
-        substance = Substance(_NOTHING, spectra.at_visible(scattering, zero_outside=False), media.air_phase())
+        coefficient = spectra.at_grid(scattering, within, zero_outside=False)
+        substance = Substance(_NOTHING, coefficient, media.air_phase())
         found.append(media.add(substance, _exponential(ground, air.scale_height)))
     if atmosphere.ozone is not None:
         dobson_units = atmosphere.ozone.dobson_units
-        found.append(_ozone(atmosphere, dobson_units, ground, media))
+        found.append(_ozone(atmosphere, dobson_units, ground, media, within))
     if atmosphere.aerosol is not None:
         aerosol = atmosphere.aerosol
         if workspace.document.media[aerosol.medium].temperature is not None:
@@ -98,7 +99,11 @@ def _column(atmosphere: Atmosphere, scale_height: float) -> float:
 
 
 def _ozone(
-    atmosphere: Atmosphere, dobson_units: float, ground: scene_pb2.AltitudeDensity, media: Media
+    atmosphere: Atmosphere,
+    dobson_units: float,
+    ground: scene_pb2.AltitudeDensity,
+    media: Media,
+    within: WavelengthRange,
 ) -> int:
     layer = media_presets.ozone_layer()
     if layer[-1, 0] > atmosphere.thickness:
@@ -106,10 +111,10 @@ def _ozone(
             f"its layer reaches up to {layer[-1, 0]:g} m, and the air to {atmosphere.thickness:g} m", ".ozone"
         )
     column = np.trapezoid(layer[:, 1], layer[:, 0])
-    cross_section = media_presets.ozone_cross_section(visible_wavelengths())
+    cross_section = media_presets.ozone_cross_section(within.grid())
     absorption = dobson_units * media_presets.dobson_unit() / column * cross_section
     substance = Substance(
-        spectra.at_visible(absorption, zero_outside=False),
+        spectra.at_grid(absorption, within, zero_outside=False),
         _NOTHING,
         scene_pb2.PhaseFunction(henyey_greenstein=scene_pb2.HenyeyGreenstein(g=0.0)),
     )

@@ -41,8 +41,10 @@ from nocturne_scene.render_warnings import RenderWarning, from_messages, of_scen
 
 # Layouts of CompiledScene; raised with every change that an older worker would misread. The second one is
 # that of scenes whose sensor tells parts of the light, the third of those with a forward_ratio, the
-# fourth of those whose photons are guided, the fifth of those whose responses tell light groups apart.
-FORMAT, FORMAT_WITH_PARTS, FORMAT_WITH_RATIO, FORMAT_WITH_GUIDE, FORMAT_WITH_LIGHT_GROUPS = 3, 4, 5, 6, 7
+# fourth of those whose photons are guided, the fifth of those with other wavelengths than 360 to 830 nm, the
+# sixth of those whose responses tell light groups apart.
+FORMAT, FORMAT_WITH_PARTS, FORMAT_WITH_RATIO, FORMAT_WITH_GUIDE, FORMAT_WITH_RANGE = 3, 4, 5, 6, 7
+FORMAT_WITH_LIGHT_GROUPS = 8
 
 
 def compile_scene(document: SceneDocument, blobs: BlobStore, film: Film | None = None) -> CompiledOutput:
@@ -95,7 +97,7 @@ def _message(workspace: Workspace, film: Film | None) -> tuple[scene_pb2.Compile
     workspace.frame = frame_of(workspace, shapes)
     kernels, lights = Kernels(workspace, textures), Lights(workspace, textures, shapes)
     with workspace.problems_at("$.sensor"):
-        message.sensor.CopyFrom(compile_sensor(workspace))
+        message.sensor.CopyFrom(compile_sensor(workspace, film))
     surfaces = Surfaces(workspace, textures, shapes, kernels, media)
     for index, (surface, group, place) in enumerate(_all_surfaces(workspace, instances)):
         message.surfaces.append(surfaces.compile(surface, group, place))
@@ -139,7 +141,7 @@ def _message(workspace: Workspace, film: Film | None) -> tuple[scene_pb2.Compile
     workspace.report_unused()
     workspace.warnings.extend(warnings_of(workspace, shapes, film))
     # Photons leave a film in directions that are chosen, too.
-    from_film = workspace.document.sensor.type == "irradiance_meter"
+    from_film = workspace.document.sensor.type in ("irradiance_meter", "meters")
     return message, from_film or kernels.scatters() or media.scatters()
 
 
@@ -164,6 +166,8 @@ def _put_tracing(
         message.format = FORMAT_WITH_RATIO
     if message.learned_light:
         message.format = FORMAT_WITH_GUIDE
+    if not workspace.wavelengths.is_usual:
+        message.format = FORMAT_WITH_RANGE
     if workspace.light_groups.names:
         message.format = FORMAT_WITH_LIGHT_GROUPS
 
@@ -230,5 +234,5 @@ def _check_light(workspace: Workspace, message: scene_pb2.CompiledScene) -> None
         return
     if not has_sky(message):
         workspace.problems.append(
-            Problem("$.surfaces", "no luminaire emits visible light, so the image would be black")
+            Problem("$.surfaces", f"no luminaire emits {workspace.light}, so the image would be black")
         )

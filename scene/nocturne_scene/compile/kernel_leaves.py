@@ -1,11 +1,13 @@
 """Kernels that hold no other kernels, as messages."""
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 from nocturne.v1 import scene_pb2
 
 from nocturne_scene.compile import spectra
+from nocturne_scene.compile.films import compile_glazing, compile_layers
 from nocturne_scene.compile.indices import AnyIndex, compile_complex, compile_index
 from nocturne_scene.compile.measured import compile_measured
 from nocturne_scene.compile.textures import Textures
@@ -15,6 +17,7 @@ from nocturne_scene.document.kernels import (
     Conductor,
     Dielectric,
     DiffuseTransmitter,
+    Glazing,
     Kernel,
     Lambertian,
     Measured,
@@ -25,10 +28,15 @@ from nocturne_scene.document.kernels import (
     ThinPane,
 )
 from nocturne_scene.spectra import indices
-from nocturne_scene.spectra.published import visible_wavelengths
 
 # Spectra are float32: the numbers 0.7 and 0.3 add up to a little more than 1.
 _ROUNDING = 1e-6
+
+
+# As worker/src/kernels/dielectric.h has it: indices closer than this are equal to rough boundaries.
+_NO_CONTRAST = 2e-5
+
+Side = Literal["front", "back"]
 
 
 @dataclass(frozen=True)
@@ -51,8 +59,9 @@ class Leaves:
         self._workspace = workspace
         self._textures = textures
 
-    def compile(self, kernel: Kernel) -> Leaf:
-        """Return the message of a kernel that holds no other; raises Unusable and its kin."""
+    def compile(self, kernel: Kernel, side: Side) -> Leaf:
+        """Return the message of a kernel that holds no other, for light on this side; raises Unusable and its
+        kin."""
         colour = self._textures.reflectance
         match kernel:
             case Lambertian():
@@ -61,16 +70,18 @@ class Leaves:
             case DiffuseTransmitter():
                 return Leaf(scene_pb2.Kernel(diffuse_transmitter=self._transmitter(kernel)))
             case Conductor():
-                return Leaf(scene_pb2.Kernel(conductor=self._conductor(kernel)))
+                return Leaf(self._metal(kernel))
             case Dielectric():
-                dielectric = scene_pb2.Dielectric(roughness=self._roughness(kernel))
-                return Leaf(scene_pb2.Kernel(dielectric=dielectric), self._interior(kernel))
+                return Leaf(self._boundary(kernel, side), self._interior(kernel))
             case ThinPane():
                 pane = scene_pb2.ThinPane(
                     index=self._index(kernel.index),
                     transmittance=self._workspace.reflectance(kernel.transmittance),
                 )
                 return Leaf(scene_pb2.Kernel(thin_pane=pane))
+            case Glazing():
+                glazing = compile_glazing(self._workspace, kernel, from_back=side == "back")
+                return Leaf(scene_pb2.Kernel(glazing=glazing))
             case CoatedDiffuse():
                 coated = scene_pb2.CoatedDiffuse(
                     index=self._index(kernel.index),
@@ -96,14 +107,14 @@ class Leaves:
             reflectance=self._textures.reflectance(kernel.reflectance, ".reflectance"),
             transmittance=self._textures.reflectance(kernel.transmittance, ".transmittance"),
         )
-        pool, visible = self._workspace.spectra.messages, visible_wavelengths()
-        total = np.zeros(len(visible))
+        pool, grid = self._workspace.spectra.messages, self._workspace.wavelengths.grid()
+        total = np.zeros(len(grid))
         for colour in (message.reflectance, message.transmittance):
-            total += spectra.evaluate(pool[colour.spectrum], visible)
+            total += spectra.evaluate(pool[colour.spectrum], grid)
         if np.any(total > 1 + _ROUNDING):
             worst = int(np.argmax(total))
             raise Unusable(
-                f"reflectance and transmittance add up to {total[worst]:.6g} at {visible[worst]:g} nm; "
+                f"reflectance and transmittance add up to {total[worst]:.6g} at {grid[worst]:g} nm; "
                 "expected at most 1",
                 ".transmittance",
             )
@@ -134,6 +145,35 @@ class Leaves:
             message.sheen.roughness.CopyFrom(scalar(kernel.sheen_roughness, ".sheen_roughness"))
         return message
 
+    def _metal(self, kernel: Conductor) -> scene_pb2.Kernel:
+        conductor = self._conductor(kernel)
+        if not kernel.coating:
+            return scene_pb2.Kernel(conductor=conductor)
+        layers = compile_layers(self._workspace, kernel.coating, ".coating")
+        return scene_pb2.Kernel(
+            coated_conductor=scene_pb2.CoatedConductor(conductor=conductor, layers=layers)
+        )
+
+    def _boundary(self, kernel: Dielectric, side: Side) -> scene_pb2.Kernel:
+        dielectric = scene_pb2.Dielectric(roughness=self._roughness(kernel))
+        if not kernel.coating:
+            return scene_pb2.Kernel(dielectric=dielectric)
+        layers = compile_layers(self._workspace, kernel.coating, ".coating")
+        if side == "back":
+            layers.reverse()
+        polished = scene_pb2.Scalar(constant=0.0)
+        alphas = (dielectric.roughness.alpha_u, dielectric.roughness.alpha_v)
+        body = self._workspace.spectra.messages[self._index(kernel.index)]
+        if alphas != (polished, polished) and all(abs(n - 1) < _NO_CONTRAST for n in body.values):
+            raise Unusable(
+                "the body has the index of the air around it, where facets refract nothing; expected another "
+                "index, or roughness 0 below a coating",
+                ".index",
+            )
+        return scene_pb2.Kernel(
+            coated_dielectric=scene_pb2.CoatedDielectric(dielectric=dielectric, layers=layers)
+        )
+
     def _conductor(self, kernel: Conductor) -> scene_pb2.Conductor:
         try:
             n, k = compile_complex(self._workspace, kernel.index)
@@ -144,7 +184,8 @@ class Leaves:
     def _interior(self, kernel: Dielectric) -> scene_pb2.Interior:
         message = scene_pb2.Interior(index=self._index(kernel.index), priority=kernel.priority)
         if kernel.absorption is not None:
-            absorption = spectra.reflectance(self._workspace.spectrum(kernel.absorption))
+            found = self._workspace.spectrum(kernel.absorption)
+            absorption = spectra.reflectance(found, self._workspace.spectral)
             if not spectra.is_black(absorption):
                 message.absorption = self._workspace.spectra.index_of(absorption)
         return message

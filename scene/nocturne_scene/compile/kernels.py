@@ -1,19 +1,16 @@
 """Kernels: names resolved, sides told apart, blends and masks flattened to one sum."""
 
 from dataclasses import dataclass
-from typing import Literal
 
 from nocturne.v1 import scene_pb2
 
 from nocturne_scene.compile import spectra
-from nocturne_scene.compile.kernel_leaves import Leaves, null_kernel
+from nocturne_scene.compile.kernel_leaves import Leaves, Side, null_kernel
 from nocturne_scene.compile.textures import Textures
 from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document import bounds
-from nocturne_scene.document.kernels import Blend, Kernel, Mask, TwoSided
+from nocturne_scene.document.kernels import Blend, Dielectric, Glazing, Kernel, Mask, TwoSided
 from nocturne_scene.document.problems import path
-
-Side = Literal["front", "back"]
 
 
 @dataclass(frozen=True)
@@ -85,8 +82,10 @@ class Kernels:
 
     def _has_sides(self, kernel: str | Kernel) -> bool:
         match self._resolved(kernel):
-            case TwoSided():
+            case TwoSided() | Glazing():
                 return True
+            case Dielectric() as body:
+                return bool(body.coating)
             case Blend() as blend:
                 return self._has_sides(blend.first) or self._has_sides(blend.second)
             case Mask() as mask:
@@ -106,6 +105,9 @@ class Kernels:
                     through = leaf.diffuse_transmitter.transmittance.SerializeToString(deterministic=True)
                 case "thin_pane" | "null_kernel":
                     through = leaf.SerializeToString(deterministic=True)
+                case "glazing":
+                    panes = scene_pb2.Glazing(panes=leaf.glazing.panes)
+                    through = panes.SerializeToString(deterministic=True)
                 case _:
                     continue
             factors = sorted(each.SerializeToString(deterministic=True) for each in part.factors)
@@ -173,7 +175,7 @@ class Kernels:
                 return []
         textured = self._textures.uses
         with self._workspace.problems_at(place):
-            leaf = self._leaves.compile(kernel)
+            leaf = self._leaves.compile(kernel, side)
             needs = self._textures.uses > textured or _is_anisotropic(leaf.kernel)
             return [_Part(leaf.kernel, (), leaf.interior, needs)]
         return []
@@ -218,6 +220,10 @@ def _times(part: _Part, weight: scene_pb2.Scalar, complement: bool, varies: bool
 def _is_anisotropic(kernel: scene_pb2.Kernel) -> bool:
     """Whether the kernel looks different along u and v."""
     model = getattr(kernel, kernel.WhichOneof("model") or "null_kernel")
+    if isinstance(model, scene_pb2.CoatedConductor):
+        model = model.conductor
+    elif isinstance(model, scene_pb2.CoatedDielectric):
+        model = model.dielectric
     roughness = getattr(model, "roughness", None)
     if isinstance(roughness, scene_pb2.Roughness):
         return roughness.alpha_u != roughness.alpha_v

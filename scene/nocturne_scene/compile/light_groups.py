@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from functools import cached_property
-from itertools import combinations
 
 import numpy as np
 from nocturne.v1 import scene_pb2
@@ -11,7 +10,7 @@ from numpy.typing import NDArray
 from nocturne_scene.document.model import SceneDocument
 from nocturne_scene.document.surfaces import Surface
 from nocturne_scene.limits import MAX_FURTHER_RESPONSES
-from nocturne_scene.responses import REST, group_channels, pair_channel
+from nocturne_scene.responses import REST, group_channels
 
 UNGROUPED = 0
 """Number of lights without a group."""
@@ -46,26 +45,18 @@ class LightGroups:
     @property
     def too_many(self) -> str:
         """Why so many can't be told apart, in words; empty: they can."""
-        count = len(self.told_apart)
-        needed = 3 * count + count * (count - 1) // 2
-        if needed <= MAX_FURTHER_RESPONSES:
+        count, most = len(self.told_apart), MAX_FURTHER_RESPONSES // len("XYZ")
+        if count <= most:
             return ""
-        return (
-            f"{count} light groups need {needed} further channels, 3 for each and one for each pair; at most "
-            f"{MAX_FURTHER_RESPONSES}"
-        )
+        rest = f', one of them "{REST}" (lights without a name)' if REST in self.told_apart else ""
+        return f"{count} light groups{rest}; at most {most}, as each has three further responses"
 
     def responses(self, observer: NDArray[np.float32]) -> Iterator[scene_pb2.Response]:
-        """X, Y and Z of each group, and Y of each two together: from their errors follows how far what they
-        bring goes together, as Var(a + b) = Var a + Var b + 2 Cov(a, b)."""
+        """X, Y and Z of each group."""
         curves = [observer[:, axis].tolist() for axis in range(3)]
-        numbers = self.told_apart
-        for group, number in numbers.items():
+        for group, number in self.told_apart.items():
             for name, curve in zip(group_channels(group), curves, strict=True):
-                yield scene_pb2.Response(name=name, values=curve, light_groups=[number])
-        for one, other in combinations(numbers, 2):
-            pair = [numbers[one], numbers[other]]
-            yield scene_pb2.Response(name=pair_channel(one, other), values=curves[1], light_groups=pair)
+                yield scene_pb2.Response(name=name, values=curve, light_group=number)
 
     def _named(self) -> Iterator[str]:
         """By all lights; "" of those that are in none."""

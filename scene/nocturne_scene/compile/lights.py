@@ -30,10 +30,22 @@ from nocturne_scene.document.spectrum_checks import Reference
 from nocturne_scene.document.surfaces import Surface
 from nocturne_scene.document.textures import ColourTexture
 from nocturne_scene.meshes.triangles import area_vectors
-from nocturne_scene.spectra import published, sun
+from nocturne_scene.spectra import sun
 
 _LOST = 1e-3
 """Part of a photometric file's light that may go to the back of a lamp without being told."""
+
+
+def _of_luminance(
+    luminance_of: Callable[[scene_pb2.Spectrum], float],
+) -> Callable[[scene_pb2.Spectrum], scene_pb2.Spectrum]:
+    """What gives a spectrum the luminance, cd/m2, that follows from it at 1 cd/m2."""
+
+    def scaled(spectrum: scene_pb2.Spectrum) -> scene_pb2.Spectrum:
+        at_one = spectra.scaled_to_luminance(spectrum, 1.0)
+        return spectra.scaled_to_luminance(at_one, luminance_of(at_one))
+
+    return scaled
 
 
 class Lights:
@@ -51,14 +63,12 @@ class Lights:
             return None
         message = scene_pb2.Luminaire(surface=index, two_sided=luminaire.two_sided)
         with self._workspace.problems_at(f"{place}.luminaire"):
-            luminance_of = self._amount(surface, luminaire)
+            amount = self._amount(surface, luminaire)
             radiance, at = self._radiance(luminaire)
-            colour = self._textures.radiance(
-                radiance, at, luminance_of=luminance_of, part=luminaire.part_emitted
-            )
+            colour = self._textures.radiance(radiance, at, amount=amount, part=luminaire.part_emitted)
             self._report_lines(radiance, f"{place}.luminaire{at}")
             if colour is None:
-                self._workspace.dropped.append(f"{place}.luminaire: emits no visible light")
+                self._workspace.dropped.append(f"{place}.luminaire: emits no {self._workspace.light}")
                 return None
             if colour.HasField("texture"):
                 self._photons_cant_start()
@@ -87,26 +97,31 @@ class Lights:
             )
         self._workspace.photons_can_start = False
 
-    def _amount(self, surface: Surface, luminaire: Luminaire) -> Callable[[scene_pb2.Spectrum], float] | None:
-        """The luminance at normal incidence, cd/m2, that a luminaire's flux or exitance comes to, from its
-        spectrum at 1 cd/m2; None: its radiance says it."""
+    def _amount(
+        self, surface: Surface, luminaire: Luminaire
+    ) -> Callable[[scene_pb2.Spectrum], scene_pb2.Spectrum] | None:
+        """What gives a luminaire's spectrum the radiance at normal incidence that its flux or exitance comes
+        to; None: its radiance says it."""
         if isinstance(luminaire.profile, PhotometricProfile):
-            return lambda _: 1.0
+            return _of_luminance(lambda _: 1.0)
         power = luminaire.profile.cosine_power if isinstance(luminaire.profile, CosineProfile) else 0.0
         # Exitance over luminance: the integral of cos^(power + 1) over the hemisphere.
         factor = 2 * math.pi / (power + 2)
         if luminaire.exitance is not None:
             from_exitance = luminaire.exitance / factor
-            return lambda _: from_exitance
+            return _of_luminance(lambda _: from_exitance)
         flux = luminaire.lumens or luminaire.watts
         if flux is None:
             return None
         area = self._shapes.area(surface.shape) * surface.scale**2 * (2 if luminaire.two_sided else 1)
         per_unit = flux / (factor * area)
         if luminaire.watts is None:
-            return lambda _: per_unit
-        ones = np.ones(published.visible_wavelengths().shape)
-        return lambda spectrum: per_unit / float(spectra.integral(spectrum, ones))
+            return _of_luminance(lambda _: per_unit)
+        within = self._workspace.wavelengths
+        if not within.is_usual:
+            return lambda spectrum: spectra.scaled_to_integral(spectrum, per_unit, within)
+        ones = np.ones(len(within.grid()))
+        return _of_luminance(lambda spectrum: per_unit / float(spectra.integral(spectrum, ones)))
 
     def _put_profile(self, message: scene_pb2.Luminaire, surface: Surface, luminaire: Luminaire) -> None:
         match luminaire.profile:
@@ -166,7 +181,7 @@ class Lights:
             self._report_lines(environment.radiance, "$.environment.radiance")
             if radiance is not None:
                 return scene_pb2.Environment(constant=radiance, hidden_from=hidden, light_group=light_group)
-            self._workspace.dropped.append("$.environment: emits no visible light")
+            self._workspace.dropped.append(f"$.environment: emits no {self._workspace.light}")
         return None
 
     def distant_discs(self) -> list[scene_pb2.DistantDisc]:
@@ -179,7 +194,7 @@ class Lights:
                 self._report_lines(disc.radiance, f"{place}.radiance")
                 self._report_lines(disc.irradiance, f"{place}.irradiance")
                 if message is None:
-                    self._workspace.dropped.append(f"{place}: emits no visible light")
+                    self._workspace.dropped.append(f"{place}: emits no {self._workspace.light}")
                 else:
                     found.append(message)
         return found
@@ -219,7 +234,8 @@ class Lights:
     def _disc(self, disc: DistantDisc) -> scene_pb2.DistantDisc | None:
         size = disc.angular_diameter_degrees
         half_angle = sun.half_angle() if size is None else math.radians(size) / 2
-        limb = sun.sun() if disc.limb_darkening else sun.sun(darkened=False)
+        within = self._workspace.spectral
+        limb = sun.sun(within=within) if disc.limb_darkening else sun.sun(darkened=False, within=within)
         if disc.radiance is not None:
             radiance = self._emission(disc.radiance, ".radiance")
         else:
@@ -239,17 +255,20 @@ class Lights:
 
     def _from_irradiance(self, disc: DistantDisc, half_angle: float) -> int | None:
         """Radiance at the centre of a disc from its irradiance, face on; the mean is E / (pi sin^2 a)."""
+        within = self._workspace.spectral
         if disc.irradiance is None:
-            irradiance = spectra.at_visible(sun.irradiance())
+            irradiance = spectra.at_grid(sun.irradiance(within), within)
         else:
-            irradiance = spectra.radiance(self._workspace.spectrum(disc.irradiance))
-        visible = published.visible_wavelengths()
-        factors = np.full(visible.shape, 1 / (math.pi * math.sin(half_angle) ** 2))
+            irradiance = spectra.radiance(self._workspace.spectrum(disc.irradiance), within)
+        grid = within.grid()
+        factors = np.full(grid.shape, 1 / (math.pi * math.sin(half_angle) ** 2))
         if disc.limb_darkening:
-            darkened, even = sun.sun().radiance, sun.sun(darkened=False).radiance
-            factors *= spectra.evaluate(darkened, visible) / spectra.evaluate(even, visible)
-        compiled = spectra.scaled(irradiance, factors)
-        if spectra.is_black(compiled):
+            darkened = sun.sun(within=within).radiance
+            even = spectra.evaluate(sun.sun(darkened=False, within=within).radiance, grid)
+            lit = even > 0
+            factors[lit] *= spectra.evaluate(darkened, grid)[lit] / even[lit]
+        compiled = spectra.scaled(irradiance, factors, within)
+        if self._workspace.is_dark(compiled):
             return None
         try:
             spectra.check_finite(compiled)

@@ -35,7 +35,7 @@ from nocturne_scene.media import mie, rayleigh
 from nocturne_scene.media import presets as media_presets
 from nocturne_scene.meshes.similarity import Similarity
 from nocturne_scene.spectra import indices
-from nocturne_scene.spectra.published import Floats, visible_wavelengths
+from nocturne_scene.spectra.published import Floats
 
 
 class Substance(NamedTuple):
@@ -52,10 +52,9 @@ class Substance(NamedTuple):
 
     def scaled(self, factor: float) -> "Substance":
         """Return it with `factor` times the density."""
-        factors = np.full(visible_wavelengths().shape, factor)
         return self._replace(
-            absorption=spectra.scaled(self.absorption, factors),
-            scattering=spectra.scaled(self.scattering, factors),
+            absorption=spectra.scaled_evenly(self.absorption, factor),
+            scattering=spectra.scaled_evenly(self.scattering, factor),
         )
 
 
@@ -156,7 +155,11 @@ class Media:
         medium = self._workspace.document.media[name]
         substance = self.substance(name)
         if substance.is_nothing or medium.density == 0:
-            reason = "has no density" if medium.density == 0 else "neither absorbs nor scatters visible light"
+            reason = (
+                "has no density"
+                if medium.density == 0
+                else f"neither absorbs nor scatters {self._workspace.light}"
+            )
             self._workspace.dropped.append(f"{path(('media', name))}: {reason}")
             return None
         match medium.density:
@@ -206,47 +209,53 @@ class Media:
     def _coefficient(self, reference: object) -> scene_pb2.Spectrum:
         if reference is None:
             return scene_pb2.Spectrum(values=[0.0])
-        return spectra.reflectance(self._workspace.spectrum(reference))  # type: ignore[arg-type]
+        spectrum = self._workspace.spectrum(reference)  # type: ignore[arg-type]
+        return spectra.reflectance(spectrum, self._workspace.spectral)
 
     def _preset(self, name: str) -> Substance:
         distributions = media_presets.droplets()
         if name in distributions:
             return self._droplets(Droplets(**distributions[name]))
-        coefficients = media_presets.coefficients(name)
+        within = self._workspace.spectral
+        coefficients = media_presets.coefficients(name, within)
         phase = scene_pb2.PhaseFunction(henyey_greenstein=scene_pb2.HenyeyGreenstein(g=0.0))
         if name == media_presets.AIR:
             phase = self.air_phase()
         return Substance(
-            spectra.at_visible(coefficients.absorption, zero_outside=False),
-            spectra.at_visible(coefficients.scattering, zero_outside=False),
+            spectra.at_grid(coefficients.absorption, within, zero_outside=False),
+            spectra.at_grid(coefficients.scattering, within, zero_outside=False),
             phase,
         )
 
     def air_phase(self) -> scene_pb2.PhaseFunction:
         """Return how clean air scatters."""
-        ratio = spectra.at_visible(rayleigh.depolarisation(visible_wavelengths()), zero_outside=False)
+        within = self._workspace.spectral
+        ratio = spectra.at_grid(rayleigh.depolarisation(within.grid()), within, zero_outside=False)
         index = self._workspace.spectra.index_of(ratio)
         return scene_pb2.PhaseFunction(rayleigh=scene_pb2.RayleighPhase(depolarisation=index))
 
     def _droplets(self, droplets: Droplets) -> Substance:
         scattering = self._mie(droplets)
-        step = float(mie.WAVELENGTHS[1] - mie.WAVELENGTHS[0])
-        values = (droplets.number * scattering.cross_section).astype(np.float32)
-        return Substance(
-            scene_pb2.Spectrum(values=[0.0]),
-            scene_pb2.Spectrum(first_nm=float(mie.WAVELENGTHS[0]), step_nm=step, values=values.tolist()),
-            _mie_phase(scattering),
+        within = self._workspace.spectral
+        at, values = mie.wavelengths(within), droplets.number * scattering.cross_section
+        phase = _mie_phase(scattering, at)
+        if not within.is_usual:
+            at, values = within.grid(), np.interp(within.grid(), at, values)
+        spectrum = scene_pb2.Spectrum(
+            first_nm=float(at[0]), step_nm=float(at[1] - at[0]), values=values.astype(np.float32).tolist()
         )
+        return Substance(scene_pb2.Spectrum(values=[0.0]), spectrum, phase)
 
     def _mie(self, droplets: Droplets) -> mie.Scattering:
         try:
             index = compile_index(self._workspace, droplets.index)
         except indices.BadIndexError as error:
             raise Unusable(str(error), ".index") from None
-        values = spectra.evaluate(self._workspace.spectra.messages[index], mie.WAVELENGTHS)
+        within = self._workspace.spectral
+        values = spectra.evaluate(self._workspace.spectra.messages[index], mie.wavelengths(within))
         distribution = mie.Distribution(droplets.mode_radius, droplets.alpha, droplets.gamma)
         try:
-            return mie.scattering(distribution, tuple(values.tolist()))
+            return mie.scattering(distribution, tuple(values.tolist()), within)
         except mie.TooLargeError as error:
             raise Unusable(str(error), ".mode_radius") from None
 
@@ -274,12 +283,12 @@ class Media:
                 return scene_pb2.PhaseFunction(tabulated=table)
             case MiePhase():
                 with _inside(".phase.droplets"):
-                    return _mie_phase(self._mie(phase.droplets))
+                    return _mie_phase(self._mie(phase.droplets), mie.wavelengths(self._workspace.spectral))
 
 
-def _mie_phase(scattering: mie.Scattering) -> scene_pb2.PhaseFunction:
+def _mie_phase(scattering: mie.Scattering, at: Floats) -> scene_pb2.PhaseFunction:
     table = scene_pb2.TabulatedPhase(
-        wavelengths=mie.WAVELENGTHS.tolist(),
+        wavelengths=at.tolist(),
         cosines=scattering.cosines.tolist(),
         values=scattering.phase.astype(np.float32).ravel().tolist(),
     )

@@ -1,7 +1,7 @@
 """The sensor of a scene document as the tracer's message."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from nocturne.v1 import scene_pb2
@@ -9,12 +9,14 @@ from numpy.typing import NDArray
 
 from nocturne_scene.bands import band_name
 from nocturne_scene.compile import spectra
+from nocturne_scene.compile.meters import film_in_metres, put_meters
 from nocturne_scene.compile.placement import motion_steps
 from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document.sensors import (
     Bands,
     IntensityMeter,
     IrradianceMeter,
+    Meters,
     Orthographic,
     Panorama,
     Pinhole,
@@ -22,9 +24,13 @@ from nocturne_scene.document.sensors import (
     Sensor,
     ThinLens,
 )
+from nocturne_scene.film import Film
 from nocturne_scene.meshes.similarity import Similarity
-from nocturne_scene.responses import LIGHT_PARTS, counts_light_groups
-from nocturne_scene.spectra import published
+from nocturne_scene.quantities import measured_by, photometric_quantity_of
+from nocturne_scene.responses import COLOUR, LIGHT_PARTS, counts_light_groups
+from nocturne_scene.spectra import colour_basis, published
+from nocturne_scene.spectra.named_responses import RESPONSES
+from nocturne_scene.spectra.wavelength_range import WavelengthRange
 
 _Direction = NDArray[np.float64]
 _WAVELENGTHS = {
@@ -39,24 +45,30 @@ _MODELS = {
     "irradiance_meter": scene_pb2.SENSOR_MODEL_PLANE,
     "radiance_meter": scene_pb2.SENSOR_MODEL_RADIANCE_METER,
     "intensity_meter": scene_pb2.SENSOR_MODEL_INTENSITY,
+    "meters": scene_pb2.SENSOR_MODEL_METERS,
 }
 
 
-def compile_sensor(workspace: Workspace) -> scene_pb2.Sensor:
+def compile_sensor(workspace: Workspace, film: Film | None = None) -> scene_pb2.Sensor:
     """Return the sensor with orthonormal frames: right x up = -forward. Raises Unusable."""
     sensor = workspace.document.sensor
     if workspace.light_groups.too_many:
         raise Unusable(workspace.light_groups.too_many)
     first, *later = _poses(sensor, workspace.frame)
     workspace.report_motion(sensor.motion, 1 + len(later), "$.sensor")
-    response = spectra.response(sensor.observer).astype(np.float32)
+    within = workspace.wavelengths
+    if sensor.measures is None:
+        response = spectra.response(sensor.observer, within).astype(np.float32)
+    else:
+        curve = _named_curve(sensor.measures, within, ".measures")
+        response = np.repeat(curve[:, None], len("XYZ"), axis=1)
     message = scene_pb2.Sensor(
         position=first.position,
         right=first.right,
         up=first.up,
         forward=first.forward,
         later_poses=later,
-        response_first_nm=published.FIRST,
+        response_first_nm=within.first,
         response_step_nm=published.STEP,
         response_x=response[:, 0].tolist(),
         response_y=response[:, 1].tolist(),
@@ -64,13 +76,25 @@ def compile_sensor(workspace: Workspace) -> scene_pb2.Sensor:
         wavelength_sampling=_WAVELENGTHS[sensor.wavelengths],
         further_responses=[
             *(_response(workspace, name) for name in sorted(sensor.responses)),
-            *_band_responses(sensor.bands),
+            *_named_responses(sensor.named_responses, within),
+            *_band_responses(sensor.bands, within),
+            *(_colour_responses(within) if sensor.colour else ()),
             *(_part_responses(response) if sensor.light_parts else ()),
             *workspace.light_groups.responses(response),
         ],
         model=_MODELS[sensor.type],
     )
+    if sensor.measures is not None:
+        measured = measured_by(photometric_quantity_of(message.model), sensor.measures)
+        message.quantity.name = measured.name
+        message.quantity.unit = measured.unit
+        message.quantity.response_unit = measured.response_unit
     _put_optics(message, sensor)
+    if isinstance(sensor, Meters):
+        put_meters(sensor, film, message)
+    if isinstance(sensor, IrradianceMeter):
+        _, right, up = _frame(sensor)
+        message.instruments = film_in_metres(sensor, right, up)
     return message
 
 
@@ -89,26 +113,51 @@ def _response(workspace: Workspace, name: str) -> scene_pb2.Response:
     spectrum = workspace.spectrum(workspace.document.sensor.responses[name])
     if counts_light_groups(name):
         raise Unusable("can't be a response's name: it means light of a light group", f".responses.{name}")
-    values = spectra.response_curve(spectrum).astype(np.float32)
+    values = spectra.response_curve(spectrum, workspace.wavelengths).astype(np.float32)
     if not values.any():
-        raise Unusable(
-            f"the response is zero from {published.FIRST:g} to {published.LAST:g} nm", f".responses.{name}"
-        )
+        raise Unusable(f"the response is zero from {workspace.wavelengths}", f".responses.{name}")
     return scene_pb2.Response(name=name, values=values.tolist())
 
 
-def _band_responses(bands: Bands | None) -> Iterator[scene_pb2.Response]:
+def _named_curve(name: str, within: WavelengthRange, suffix: str) -> NDArray[np.float32]:
+    found = RESPONSES[name]
+    values = found.within(within).astype(np.float32)
+    if not values.any():
+        raise Unusable(
+            f'"{name}" is of {found.first:g} to {found.last:g} nm, and the scene of {within}', suffix
+        )
+    return values
+
+
+def _named_responses(names: Sequence[str], within: WavelengthRange) -> Iterator[scene_pb2.Response]:
+    for index, name in enumerate(names):
+        values = _named_curve(name, within, f".named_responses[{index}]")
+        yield scene_pb2.Response(name=name, values=values.tolist())
+
+
+def _band_responses(bands: Bands | None, within: WavelengthRange) -> Iterator[scene_pb2.Response]:
     """Boxes of area 1. Curves are straight between whole nm, so neighbours overlap by one to each side of
     their edge, and together give 1."""
     if bands is None:
         return
-    wavelengths = published.visible_wavelengths()
+    wavelengths = within.grid()
     for start, end in bands.edges:
         inside = (wavelengths > start) & (wavelengths < end)
         at_edge = np.isin(wavelengths, (start, end))
-        outermost = at_edge & np.isin(wavelengths, (published.FIRST, published.LAST))
+        outermost = at_edge & np.isin(wavelengths, (within.first, within.last))
         values = (inside + 0.5 * at_edge + 0.5 * outermost) / (end - start)
         yield scene_pb2.Response(name=band_name(0.5 * (start + end)), values=values.tolist())
+
+
+def _colour_responses(within: WavelengthRange) -> Iterator[scene_pb2.Response]:
+    first, last = published.COLOUR_RANGE
+    if within.first > first or within.last < last:
+        raise Unusable(f"colour is of {first:g} to {last:g} nm, and the scene of {within}", ".colour")
+    wavelengths = within.grid()
+    values = np.zeros((len(wavelengths), colour_basis.COUNT))
+    values[(wavelengths >= first) & (wavelengths <= last)] = colour_basis.responses()
+    for name, of_one in zip(COLOUR, values.T, strict=True):
+        yield scene_pb2.Response(name=name, values=of_one.astype(np.float32).tolist())
 
 
 def _part_responses(observer: NDArray[np.float32]) -> Iterator[scene_pb2.Response]:
@@ -172,6 +221,9 @@ def _frame(sensor: Sensor) -> tuple[_Direction, _Direction, _Direction]:
             view = np.subtract(sensor.look_at, sensor.position)
             forward = unit(view - (view @ up) * up)
             return forward, np.cross(forward, up), up
+        case Meters():
+            # So that right, up and backwards are x, y and z.
+            return np.array([0.0, 0.0, -1.0]), np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])
         case IrradianceMeter():
             forward, towards = unit(np.array(sensor.facing())), np.array(sensor.upwards())
         case _:

@@ -4,7 +4,6 @@ import json
 from collections.abc import Callable
 from typing import Literal, NamedTuple
 
-import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 from nocturne.v1 import scene_pb2
 
@@ -21,7 +20,6 @@ from nocturne_scene.document.textures import (
     TextureUse,
 )
 from nocturne_scene.spectra import rgb as rgb_spectra
-from nocturne_scene.spectra.published import visible_wavelengths
 from nocturne_scene.textures import image_files as image_textures
 from nocturne_scene.textures.pictures import UnusableImageError, opened
 
@@ -70,12 +68,12 @@ class Textures:
         value: Reference | ColourTexture,
         suffix: str,
         *,
-        luminance_of: Callable[[scene_pb2.Spectrum], float] | None = None,
+        amount: Callable[[scene_pb2.Spectrum], scene_pb2.Spectrum] | None = None,
         part: float = 1.0,
     ) -> scene_pb2.Colour | None:
         """Return a radiance that may vary, None if it is black; raises Unusable.
 
-        `luminance_of`: which luminance the spectrum is to have, cd/m2, from it at 1 cd/m2; None: as it is.
+        `amount`: scales the spectrum to how much light there is; None: it says so itself.
         `part`: of all that, what is emitted.
         """
         texture = value if isinstance(value, ColourTexture) else None
@@ -83,16 +81,16 @@ class Textures:
             suffix = f"{suffix}.spectrum"
         try:
             message = spectra.radiance(
-                self._workspace.spectrum(value.spectrum if isinstance(value, ColourTexture) else value)
+                self._workspace.spectrum(value.spectrum if isinstance(value, ColourTexture) else value),
+                self._workspace.spectral,
             )
-            if spectra.is_black(message):
+            if self._workspace.is_dark(message):
                 return None
-            if luminance_of is not None:
-                message = spectra.scaled_to_luminance(message, 1.0)
-                message = spectra.scaled_to_luminance(message, luminance_of(message))
+            if amount is not None:
+                message = amount(message)
                 spectra.check_finite(message)
             if part != 1.0:
-                message = spectra.scaled(message, np.full(visible_wavelengths().shape, part))
+                message = spectra.scaled_evenly(message, part)
         except spectra.NotCompilableError as error:
             raise Unusable(str(error), suffix) from None
         colour = scene_pb2.Colour(spectrum=self._workspace.spectra.index_of(message))

@@ -17,6 +17,7 @@ from nocturne_scene.compile.coarse import coarse
 from nocturne_scene.compile.fine_textures import fine_textures
 from nocturne_scene.compile.placement import placement_of
 from nocturne_scene.compile.shapes import Shapes
+from nocturne_scene.compile.table_ends import table_ends
 from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document.kernels import Dielectric, Kernel, Lambertian
 from nocturne_scene.document.model import SceneDocument, all_surfaces
@@ -53,6 +54,7 @@ def warnings_of(workspace: Workspace, shapes: Shapes, film: Film | None) -> list
     document = workspace.document
     return [
         *_mixture(document),
+        *_counted(table_ends(workspace)),
         *_counted(_open_bodies(workspace, shapes)),
         *_counted(_crossing_bodies(document, shapes)),
         *_depth_limit(workspace, shapes),
@@ -248,7 +250,7 @@ def _albedo(workspace: Workspace, kernel: Kernel | None) -> float | None:
     value = kernel.reflectance
     reference = value.spectrum if isinstance(value, ColourTexture) else value
     try:
-        found = max(spectra.reflectance(workspace.spectrum(reference)).values)
+        found = max(spectra.reflectance(workspace.spectrum(reference), workspace.spectral).values)
     except spectra.NotCompilableError:
         return None
     return None if math.isnan(found) else float(found)

@@ -23,7 +23,8 @@ def put_wavelength_density(workspace: Workspace, message: scene_pb2.CompiledScen
     narrow = [list(lines) for lines in found if any(map(line_spectra.is_narrow, lines))]
     if not narrow:
         return
-    knots, density = line_spectra.wavelength_density(_importance(message.sensor), narrow)
+    importance = _importance(message.sensor)
+    knots, density = line_spectra.wavelength_density(importance, narrow, within=workspace.wavelengths)
     message.sensor.wavelength_knots.extend(knots.tolist())
     message.sensor.wavelength_density.extend(density.astype(np.float32).tolist())
 
@@ -43,7 +44,7 @@ def _importance(sensor: scene_pb2.Sensor) -> Floats:
     importance = np.array(total, dtype=np.float64)
     for response in sensor.further_responses:
         values = np.array(response.values, dtype=np.float64)
-        of_all = response.light == scene_pb2.LIGHT_PART_WHOLE and not response.light_groups
+        of_all = response.light == scene_pb2.LIGHT_PART_WHOLE and not response.HasField("light_group")
         if values.sum() > 0 and of_all:
             importance += values * (total.sum() / values.sum())
     return importance

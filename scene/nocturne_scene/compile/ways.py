@@ -104,7 +104,7 @@ def given_ways(document: SceneDocument) -> Ways:
     tracing = document.tracing
     return Ways(
         "adjoint" if tracing.direction == "auto" else tracing.direction,
-        1 if tracing.sharing == "auto" else tracing.sharing,
+        1 if tracing.sharing == "auto" or _is_points(document) else tracing.sharing,
         tracing.aimed_emission or 0.0,
         forward_ratio=1.0 if tracing.forward_ratio == "auto" else tracing.forward_ratio,
     )
@@ -139,9 +139,15 @@ def open_ways(
         return OpenWays(names, default, asked)
     if tracing.guide == "auto" and asked.direction == "both":
         names.append("guide")
-    if tracing.sharing == "auto" and tracing.estimator == "two_photons" and asked.direction != "forward":
+    may_share = tracing.estimator == "two_photons" and not _is_points(document)
+    if tracing.sharing == "auto" and may_share and asked.direction != "forward":
         names.append("sharing")
     return OpenWays(names, default, asked)
+
+
+def _is_points(document: SceneDocument) -> bool:
+    """Whether neighbours on the film may be far apart, so that they have no light in common."""
+    return document.sensor.type == "meters"
 
 
 _SPREAD = {"lambertian", "diffuse_transmitter", "null_kernel", "blend"}

@@ -26,7 +26,7 @@ from nocturne_scene.meshes.placements import Placements, count_placements, read_
 from nocturne_scene.meshes.similarity import IDENTITY
 from nocturne_scene.spectra import indices
 from nocturne_scene.spectra import lines as line_spectra
-from nocturne_scene.spectra.published import FIRST, LAST
+from nocturne_scene.spectra.wavelength_range import WavelengthRange
 
 _Message = TypeVar("_Message", scene_pb2.Spectrum, scene_pb2.Kernel, scene_pb2.Interior, scene_pb2.Texture)
 
@@ -60,6 +60,10 @@ class Workspace:
 
     def __init__(self, document: SceneDocument, blobs: BlobStore) -> None:
         self.document = document
+        self.wavelengths = document.wavelength_range
+        """What the sensor sees."""
+        self.spectral: WavelengthRange = document.wavelength_range.with_visible
+        """Over which spectra are compiled: also what scales them to a luminance."""
         self.frame = IDENTITY
         """Comes after every placement; see origin.py."""
         self.blobs = blobs
@@ -112,7 +116,20 @@ class Workspace:
 
     def reflectance(self, reference: str | float | Spectrum) -> int:
         """Return the index of a spectrum that is held beyond its table."""
-        return self.spectra.index_of(spectra.reflectance(self.spectrum(reference)))
+        return self.spectra.index_of(spectra.reflectance(self.spectrum(reference), self.spectral))
+
+    def is_used(self, collection: str, name: str) -> bool:
+        """Whether something that was compiled so far refers to an entry of a collection."""
+        return (collection, name) in self._used
+
+    @property
+    def light(self) -> str:
+        """What the sensor sees, in words."""
+        return "visible light" if self.wavelengths.is_usual else f"light from {self.wavelengths}"
+
+    def is_dark(self, spectrum: scene_pb2.Spectrum) -> bool:
+        """Whether a compiled radiance has nothing that the sensor may see."""
+        return spectra.is_dark(spectrum, self.wavelengths)
 
     def keep(self, data: bytes) -> bytes:
         """Remember a blob and return its digest."""
@@ -214,8 +231,8 @@ class Workspace:
         if not isinstance(spectrum, LineSpectrum):
             return
         for number, line in enumerate(spectra.line_messages(spectrum)):
-            report = f"{place}.lines[{number}]: lies outside of {FIRST:g} to {LAST:g} nm"
-            if not line_spectra.is_visible(line) and report not in self.dropped:
+            report = f"{place}.lines[{number}]: lies outside of {self.wavelengths}"
+            if not line_spectra.is_within(line, self.wavelengths) and report not in self.dropped:
                 self.dropped.append(report)
 
     def report_motion(self, motion: object, steps: int, place: str) -> None:

@@ -60,6 +60,16 @@ KERNEL_DEPTH = 8
 # Parts of a flattened blend, as the tracer takes it.
 BLEND_PARTS = 8
 
+# Layers of a film, as the tracer takes them; and their thickness: above it no light is that coherent.
+FILM_LAYERS = 64
+FILM_THICKNESS_NM = 1e5
+
+# Of refraction of a film's layers: together with the thickness the phase of a wave in them stays below 1e6.
+FILM_INDEX = 100.0
+
+# Panes of a glazing.
+PANES = 8
+
 # Of a Phong lobe: a half width of 0.07 degrees.
 PHONG_EXPONENT = 1e6
 
@@ -104,6 +114,10 @@ IMPORTANT_SHAPES = 100
 
 # Channels beyond X, Y, Z: each takes memory for every pixel.
 RESPONSES = 64
+
+# Points of a sensor's meters, and its instruments: each is told in the image's header.
+METERS = 4096
+INSTRUMENTS = 64
 
 # Edges of a lens opening.
 APERTURE_BLADES = 64

@@ -2,11 +2,13 @@
 
 from collections.abc import Iterator
 
+from nocturne_scene.document.films import MeasuredPane, Pane, SheetPane
 from nocturne_scene.document.graph_checks import group_problems, kernel_graph_problems
 from nocturne_scene.document.kernels import (
     CoatedDiffuse,
     Dielectric,
     DiffuseTransmitter,
+    Glazing,
     Kernel,
     Lambertian,
     Phong,
@@ -45,6 +47,7 @@ def whole_document_problems(document: SceneDocument) -> Iterator[Problem]:
         yield from _luminaire_problems(document, surface, place)
     yield from media_problems(document, resolve_spectrum)
     yield from _surrounding_problems(document)
+    yield from _range_problems(document)
     yield from _tracing_problems(document)
     something = (document.surfaces, document.instances, document.unbounded_media, document.atmosphere)
     if not any(something):
@@ -106,6 +109,20 @@ def _reflectances(kernel: Kernel) -> list[tuple[str, Reference | ColourTexture]]
             return [("reflectance", kernel.reflectance), ("transmittance", kernel.transmittance)]
         case ThinPane():
             return [("transmittance", kernel.transmittance)]
+        case Glazing():
+            return [
+                each for index, pane in enumerate(kernel.panes) for each in _of_pane(pane, f"panes[{index}]")
+            ]
+    return []
+
+
+def _of_pane(pane: Pane, place: str) -> list[tuple[str, Reference | ColourTexture]]:
+    match pane:
+        case SheetPane():
+            return [(f"{place}.transmittance", pane.transmittance)]
+        case MeasuredPane():
+            fields = ("front_reflectance", "back_reflectance", "transmittance")
+            return [(f"{place}.{name}", getattr(pane, name)) for name in fields]
     return []
 
 
@@ -142,6 +159,21 @@ def _surrounding_problems(document: SceneDocument) -> Iterator[Problem]:
             if reference is not None:
                 place = path(("distant", index, field))
                 yield from radiance_problems(resolve_spectrum(document, reference), reference, place)
+
+
+def _range_problems(document: SceneDocument) -> Iterator[Problem]:
+    within, sensor = document.wavelength_range, document.sensor
+    if sensor.measures is None and not within.has_all_visible:
+        yield Problem(
+            "$.wavelengths",
+            f"the sensor's X, Y and Z are of 360 to 830 nm, and the scene has {within} only; expected all of "
+            'these, or what else the sensor measures, such as "radiant" in $.sensor.measures',
+        )
+    bands = sensor.bands
+    if bands is not None and not (within.first <= bands.first and bands.last <= within.last):
+        yield Problem(
+            "$.sensor.bands", f"reach from {bands.first} to {bands.last} nm; the scene has {within} only"
+        )
 
 
 def _tracing_problems(document: SceneDocument) -> Iterator[Problem]:

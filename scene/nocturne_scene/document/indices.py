@@ -10,7 +10,7 @@ from nocturne_scene.document.node import ByKey, Node, problem_at, quoted_list
 from nocturne_scene.document.spectra import check_increasing
 from nocturne_scene.spectra import indices
 
-_Index = Annotated[Finite, Field(ge=indices.SMALLEST, le=indices.LARGEST)]
+RefractiveIndex = Annotated[Finite, Field(ge=indices.SMALLEST, le=indices.LARGEST)]
 _Extinction = Annotated[Finite, Field(ge=0, le=indices.LARGEST)]
 _Coefficient = Annotated[Finite, Field(ge=-1e6, le=1e6)]
 _Triple = tuple[_Coefficient, _Coefficient, _Coefficient]
@@ -41,7 +41,8 @@ class TableIndex(Node):
     """Measured indices, linear between neighbours; beyond the table the end value holds."""
 
     table: Annotated[
-        list[tuple[Wavelength, _Index]], Field(min_length=1, max_length=bounds.TABLE_KNOTS, fail_fast=True)
+        list[tuple[Wavelength, RefractiveIndex]],
+        Field(min_length=1, max_length=bounds.TABLE_KNOTS, fail_fast=True),
     ] = Field(description="Pairs `[wavelength in nm, index]`, wavelengths increasing.")
 
     @model_validator(mode="after")
@@ -82,11 +83,23 @@ def _known_metal(name: str) -> str:
     )
 
 
+def known_material(name: str) -> str:
+    """Check the name of something transparent or of a metal."""
+    names = (*indices.dielectrics(), *indices.metals())
+    if name in names:
+        return name
+    raise problem_at(
+        "",
+        f'no index of refraction named "{name[: bounds.NAME_LENGTH]}"; expected one of {quoted_list(names)}, '
+        f'or an object such as {{"n": 1.38, "k": 0}}',
+    )
+
+
 _NAME = Field(strict=True, title="name")
 # An index of refraction without an imaginary part.
 IndexReference = Annotated[
     Annotated[str, _NAME, AfterValidator(_known_dielectric)]
-    | _Index
+    | RefractiveIndex
     | SellmeierIndex
     | CauchyIndex
     | TableIndex,

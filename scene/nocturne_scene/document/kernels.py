@@ -6,6 +6,7 @@ from pydantic import AfterValidator, Field, ValidationInfo, model_validator
 
 from nocturne_scene.document import bounds
 from nocturne_scene.document.fields import AssetReference, Finite
+from nocturne_scene.document.films import Layers, Pane
 from nocturne_scene.document.indices import ComplexIndexReference, IndexReference
 from nocturne_scene.document.node import ByType, Node, problem_at
 from nocturne_scene.document.spectra import SpectrumReference, known_name
@@ -70,6 +71,7 @@ class Conductor(RoughKernel):
 
     type: Literal["conductor"]
     index: ComplexIndexReference = Field(description="Index of refraction n + i k, against vacuum.")
+    coating: Layers = Field(default=[], description="Thin layers on it, the outermost first. Default: none.")
 
 
 class Dielectric(RoughKernel):
@@ -87,6 +89,10 @@ class Dielectric(RoughKernel):
     priority: Annotated[int, Field(strict=True, ge=-bounds.PRIORITY, le=bounds.PRIORITY)] = Field(
         default=0, description="Which of overlapping bodies counts: the one with the highest number."
     )
+    coating: Layers = Field(
+        default=[],
+        description="Thin layers between the body and what is around it, the outermost first. Default: none.",
+    )
 
 
 class ThinPane(Node):
@@ -96,6 +102,19 @@ class ThinPane(Node):
     index: IndexReference = Field(description="Index of refraction of the sheet.")
     transmittance: SpectrumReference = Field(
         default=1.0, description="Internal transmittance of one crossing at normal incidence, in [0, 1]."
+    )
+
+
+class Glazing(Node):
+    """Panes one behind the other with gaps between them, as one surface without thickness: a window.
+
+    Light goes straight on or is mirrored, with all reflections between the panes and in them, without the
+    offset of the light. The front is the side that the surface's normal points to.
+    """
+
+    type: Literal["glazing"]
+    panes: Annotated[list[Pane], Field(min_length=1, max_length=bounds.PANES)] = Field(
+        description="From the front to the back."
     )
 
 
@@ -215,6 +234,7 @@ Kernel = (
     | Conductor
     | Dielectric
     | ThinPane
+    | Glazing
     | CoatedDiffuse
     | Phong
     | Principled

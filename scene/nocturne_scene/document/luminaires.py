@@ -114,7 +114,9 @@ class Luminaire(Node):
         "place where an instance shows it, however large it is there.",
     )
     watts: Annotated[Finite, Field(gt=0, le=bounds.LUMINANCE)] | None = Field(
-        default=None, description="The same as radiant flux from 360 to 830 nm, W."
+        default=None,
+        description="The same as radiant flux over the scene's wavelengths, W: from 360 to 830 nm unless it "
+        "says others.",
     )
     exitance: Annotated[Finite, Field(gt=0, le=bounds.LUMINANCE)] | None = Field(
         default=None, description="Luminous exitance of a side that emits, lm m⁻²."

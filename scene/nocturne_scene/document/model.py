@@ -5,7 +5,7 @@ Lengths are metres, angles degrees, wavelengths nanometres, radiance W m-2 sr-1 
 """
 
 from collections.abc import Collection, Iterator
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -23,6 +23,22 @@ from nocturne_scene.document.spectra import SpectrumDefinition
 from nocturne_scene.document.surfaces import Group, Instance, Surface
 from nocturne_scene.document.textures import Texture
 from nocturne_scene.document.tracing import Tracing
+from nocturne_scene.spectra.wavelength_range import LONGEST, SHORTEST, VISIBLE, WavelengthRange
+
+_WholeNm = Annotated[int, Field(strict=True, ge=int(SHORTEST), le=int(LONGEST))]
+
+
+class Wavelengths(Node):
+    """The wavelengths that a scene is about: photons have no others."""
+
+    first: _WholeNm = Field(description="The shortest, nm.")
+    last: _WholeNm = Field(description="The longest, nm.")
+
+    @model_validator(mode="after")
+    def _increase(self) -> Self:
+        if self.last <= self.first:
+            raise problem_at(".last", f"expected more than first, {self.first} nm")
+        return self
 
 
 class SceneDocument(Node):
@@ -32,6 +48,12 @@ class SceneDocument(Node):
     name: Text = Field(default="", description="For people; not part of the compiled scene.")
     source: Text = Field(default="", description="Where the scene's data come from.")
     note: Text = Field(default="", description="Anything worth knowing about the scene.")
+    wavelengths: Wavelengths | None = Field(
+        default=None,
+        description="Default: 360 to 830 nm, what the CIE's observers see. Others, within 200 to 2500 nm, "
+        "bring ultraviolet and near infrared ([how to](../how-to/wavelengths.md)). What a table, a formula "
+        "or a colour is beyond its ends is said as a warning.",
+    )
     spectra: Annotated[dict[Name, SpectrumDefinition], Field(max_length=bounds.NAMED_ENTRIES)] = Field(
         default={}, description="Spectra by name. Only those that are used are compiled."
     )
@@ -68,6 +90,13 @@ class SceneDocument(Node):
         Field(default=[], description="Shapes that are worth looking at from everywhere.")
     )
     tracing: Tracing = Field(default=Tracing(), description="How photons are traced.")
+
+    @property
+    def wavelength_range(self) -> WavelengthRange:
+        """The scene's wavelengths."""
+        if self.wavelengths is None:
+            return VISIBLE
+        return WavelengthRange(float(self.wavelengths.first), float(self.wavelengths.last))
 
     @model_validator(mode="before")
     @classmethod

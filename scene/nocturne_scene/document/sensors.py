@@ -1,22 +1,39 @@
-"""Sensors as written in a scene document: cameras and meters."""
+"""Sensors as written in a scene document: cameras and meters.
+
+Long: all that a sensor may be, which readers look up in one place.
+"""
 
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from nocturne_scene.document import bounds
 from nocturne_scene.document.fields import Degrees, Finite, Name, PositiveLength, Vector
+from nocturne_scene.document.instruments import Instrument
 from nocturne_scene.document.luminaires import check_axes
-from nocturne_scene.document.node import ByType, Node, problem_at
+from nocturne_scene.document.node import ByType, Node, problem_at, quoted_list
 from nocturne_scene.document.placement import Motion
 from nocturne_scene.document.shapes import length, parallel
 from nocturne_scene.document.spectra import SpectrumReference
 from nocturne_scene.spectra import lines as line_spectra
-from nocturne_scene.spectra import published
+from nocturne_scene.spectra.named_responses import RESPONSES
+from nocturne_scene.spectra.wavelength_range import LONGEST, SHORTEST
 
 Observer = Literal["CIE 1931 2 degree", "CIE 1964 10 degree"]
 _Angle = Annotated[Finite, Field(gt=0, lt=180)]
-_BandEdge = Annotated[int, Field(strict=True, ge=int(published.FIRST), le=int(published.LAST))]
+_BandEdge = Annotated[int, Field(strict=True, ge=int(SHORTEST), le=int(LONGEST))]
+
+
+def _known_response(name: str) -> str:
+    if name not in RESPONSES:
+        shown = name[: bounds.NAME_LENGTH]
+        raise problem_at("", f'no response named "{shown}"; expected one of {quoted_list(RESPONSES)}')
+    return name
+
+
+ResponseName = Annotated[
+    str, Field(strict=True, json_schema_extra={"enum": list(RESPONSES)}), AfterValidator(_known_response)
+]
 
 
 class Bands(Node):
@@ -56,10 +73,27 @@ class _AnySensor(Node):
         "zero beyond a table. They are resolved to 1 nm: what is narrower or steeper keeps its integral and "
         "its centre, and becomes as wide.",
     )
+    measures: ResponseName | None = Field(
+        default=None,
+        description="What takes the place of X, Y and Z, all three the same: light weighed by a response of "
+        "this name, such as irradiance in W m⁻² (`radiant`), PPFD in µmol m⁻² s⁻¹ (`PAR`) or `erythemal` "
+        "irradiance. Errors, regions and stops are then of that. Default: X, Y and Z of the observer, for "
+        "which the scene's wavelengths must hold 360 to 830 nm.",
+    )
+    named_responses: Annotated[list[ResponseName], Field(max_length=len(RESPONSES))] = Field(
+        default=[],
+        description="Further channels by the names of published responses ([all](../how-to/wavelengths.md)).",
+    )
     bands: Bands | None = Field(
         default=None,
         description="Spectral image: further channels named as spectral EXR files have it, such as "
         "`S0.555,000000nm` for the band around 555 nm.",
+    )
+    colour: bool = Field(
+        default=False,
+        description="Further channels `colour.00` and so on, 43 smooth responses from 380 to 780 nm. From "
+        "these `nocturne measure --colour` tells the colour of the light that arrives: correlated colour "
+        "temperature, Ra, Rf, Rg and the alpha-opic quantities of CIE S 026, each with its standard error.",
     )
     light_parts: bool = Field(
         default=False,
@@ -70,14 +104,28 @@ class _AnySensor(Node):
     wavelengths: Literal["response", "uniform"] = Field(
         default="response",
         description="How a photon's wavelength is drawn: in proportion to X + Y + Z of the "
-        "observer (a further response counts as much as these), or uniformly from 360 to 830 "
-        "nm. Both give the same image; `response` with less noise. Where something emits lines narrower than "
+        "observer (a further response counts as much as these), or uniformly over the scene's wavelengths. "
+        "Both give the same image; `response` with less noise. Where something emits lines narrower than "
         f"{line_spectra.NARROW:g} nm, `response` draws half of the photons for lines: each emission spectrum "
         "that has such lines gets an equal part.",
     )
     motion: Motion | None = Field(
         default=None, description="Movement while the shutter is open; placements without `scale`."
     )
+
+    @model_validator(mode="after")
+    def _names_are_apart(self) -> Self:
+        for index, name in enumerate(self.named_responses):
+            if name in self.named_responses[:index]:
+                raise problem_at(f".named_responses[{index}]", f'"{name}" is there twice')
+        for name in self.responses:
+            # A unit other than of power follows from the name.
+            if name in self.named_responses or (name in RESPONSES and RESPONSES[name].amount != "W"):
+                raise problem_at(
+                    f".responses.{name}",
+                    f'"{name}" is a published response; expected it in named_responses, or another name',
+                )
+        return self
 
 
 class _Sensor(_AnySensor):
@@ -240,6 +288,69 @@ class IntensityMeter(_AnySensor):
         return self
 
 
+class Meters(_AnySensor):
+    """Illuminance meters at points and on grids, several in one render. A pixel is one of them: Y is the
+    illuminance in lx.
+
+    The film's size follows from the instruments: grids lie below one another, each as its plan, points side
+    by side. Pixels to their right measure what the last meter left of them does. Photons from luminaires do
+    not meet points, so light that glass or mirrors gather is found from the meters alone; and meters share
+    nothing, whatever `sharing` says.
+    """
+
+    type: Literal["meters"]
+    instruments: Annotated[list[Instrument], Field(min_length=1, max_length=bounds.INSTRUMENTS)] = Field(
+        description="What is measured where."
+    )
+    outdoor: Name | None = Field(
+        default=None,
+        description="The instrument whose mean is the illuminance outdoors: of all others `nocturne measure` "
+        "tells the daylight factor.",
+    )
+
+    @model_validator(mode="after")
+    def _is_whole(self) -> Self:
+        names = [each.name for each in self.instruments]
+        for index, name in enumerate(names):
+            if name in names[:index]:
+                raise problem_at(f".instruments[{index}].name", "another instrument has this name")
+        if self.outdoor is not None and self.outdoor not in names:
+            raise problem_at(".outdoor", f"no instrument has this name; expected one of {quoted_list(names)}")
+        points = sum(columns * rows for columns, rows in (each.size for each in self.instruments))
+        if points > bounds.METERS:
+            raise problem_at(".instruments", f"have {points} points; at most {bounds.METERS}")
+        return self
+
+    @property
+    def position(self) -> Vector:
+        """The middle of all instruments, m."""
+        middles = [each.middle() for each in self.instruments]
+        x, y, z = (0.5 * (min(axis) + max(axis)) for axis in zip(*middles, strict=True))
+        return (x, y, z)
+
+    def layout(self) -> tuple[tuple[int, int], list[tuple[int, int]]]:
+        """Width and height of the film, and the upper left pixel of each instrument."""
+        width = max(each.size[0] for each in self.instruments)
+        places, across, top = list[tuple[int, int]](), 0, 0
+        for each in self.instruments:
+            columns, rows = each.size
+            if each.grid is not None or across + columns > width:
+                top, across = top + (1 if across else 0), 0
+            places.append((across, top))
+            if each.grid is not None:
+                top += rows
+            else:
+                across += columns
+        return (width, top + (1 if across else 0)), places
+
+
 CAMERAS = (Pinhole, ThinLens, Orthographic, Panorama)
-Sensor = Pinhole | ThinLens | Orthographic | Panorama | IrradianceMeter | RadianceMeter | IntensityMeter
+Sensor = (
+    Pinhole | ThinLens | Orthographic | Panorama | IrradianceMeter | RadianceMeter | IntensityMeter | Meters
+)
 SensorDefinition = Annotated[Sensor, ByType()]
+
+
+def film_size(sensor: Sensor, width: int, height: int) -> tuple[int, int]:
+    """Of a film that was asked for: with meters it follows from these."""
+    return sensor.layout()[0] if isinstance(sensor, Meters) else (width, height)

@@ -107,6 +107,22 @@ class IlluminantSpectrum(Node):
     luminance: Luminance | None = Field(default=None, description=_LUMINANCE_HELP)
 
 
+class SolarSpectrum(Node):
+    """Sunlight by ASTM G173-03, 280 to 4000 nm: as irradiance in W m⁻² nm⁻¹, times `factor`; zero beyond.
+
+    A uniform sky's radiance is that over pi.
+    """
+
+    solar: Literal["extraterrestrial", "global", "direct"] = Field(
+        description="`extraterrestrial`: above the air. After 1.5 air masses, `direct`: across the beam, and "
+        "`global`: on a plane tilted by 37 degrees, sky and ground included."
+    )
+    factor: Annotated[Finite, Field(gt=0, le=bounds.RADIANCE)] = Field(
+        default=1.0, description="Times all values."
+    )
+    luminance: Luminance | None = Field(default=None, description=_LUMINANCE_HELP)
+
+
 class SpectralLine(Node):
     """One line. Nothing is infinitely thin, so it has a width."""
 
@@ -123,8 +139,8 @@ class LineSpectrum(Node):
     """Light of a gas discharge or a laser: lines, each a triangle over wavelength.
 
     The triangle has its full width at half of its height, twice that at its foot; its area is the power.
-    Lines may overlap. Those that lie outside of 360 to 830 nm are left out. However narrow a line is, it
-    needs no more photons than other light does: see the sensor's `wavelengths`.
+    Lines may overlap. Those that lie outside of the scene's wavelengths are left out. However narrow a line
+    is, it needs no more photons than other light does: see the sensor's `wavelengths`.
     """
 
     lines: Annotated[list[SpectralLine], Field(min_length=1, max_length=bounds.SPECTRAL_LINES)] = Field(
@@ -155,6 +171,7 @@ SPECTRUM_KEYS = {
     "table": TableSpectrum,
     "blackbody": BlackbodySpectrum,
     "illuminant": IlluminantSpectrum,
+    "solar": SolarSpectrum,
     "lines": LineSpectrum,
     "rgb": RgbSpectrum,
     "chart_patch": ChartSpectrum,
@@ -179,6 +196,7 @@ Spectrum = (
     | TableSpectrum
     | BlackbodySpectrum
     | IlluminantSpectrum
+    | SolarSpectrum
     | LineSpectrum
     | RgbSpectrum
     | ChartSpectrum

@@ -10,6 +10,7 @@ from nocturne_scene.document.spectra import (
     IlluminantSpectrum,
     LineSpectrum,
     RgbSpectrum,
+    SolarSpectrum,
     Spectrum,
     TableSpectrum,
 )
@@ -17,11 +18,13 @@ from nocturne_scene.errors import Problem
 
 Reference = str | float | Spectrum
 
+_LIGHTS = (BlackbodySpectrum, IlluminantSpectrum, SolarSpectrum, LineSpectrum)
+
 
 def reflectance_problems(spectrum: Spectrum, reference: Reference, place: str) -> Iterator[Problem]:
     """Yield why a spectrum can't be a reflectance or transmittance."""
     whose = _whose(reference)
-    if isinstance(spectrum, BlackbodySpectrum | IlluminantSpectrum | LineSpectrum):
+    if isinstance(spectrum, _LIGHTS):
         yield Problem(
             place, f"{whose}a radiance; expected a reflectance: a constant or a table with values in [0, 1]"
         )
@@ -53,7 +56,7 @@ def absorption_problems(spectrum: Spectrum, reference: Reference, place: str) ->
 
 def coefficient_problems(spectrum: Spectrum, reference: Reference, place: str) -> Iterator[Problem]:
     """Yield why a spectrum can't be a medium's coefficient."""
-    if isinstance(spectrum, BlackbodySpectrum | IlluminantSpectrum | LineSpectrum):
+    if isinstance(spectrum, _LIGHTS):
         yield Problem(
             place,
             f"{_whose(reference)}a radiance; expected a coefficient in 1/m: a number, a table, or a colour",

@@ -18,12 +18,15 @@ import platformdirs
 from numpy.typing import NDArray
 
 from nocturne_scene.replacing import replacing
-from nocturne_scene.spectra.published import FIRST, LAST, Floats
+from nocturne_scene.spectra.published import Floats
+from nocturne_scene.spectra.wavelength_range import VISIBLE, WavelengthRange
 
 Complexes = NDArray[np.complex128]
 
-# nm, 360 to 830.
-WAVELENGTHS = np.linspace(FIRST, LAST, 21)
+# Wavelengths at which spheres are computed: so many from 360 to 830 nm, in equal steps; in other ranges in
+# equal parts, as wide as the first of these.
+_VISIBLE_COUNT = 21
+_PART = 1.0 + (VISIBLE.last - VISIBLE.first) / (_VISIBLE_COUNT - 1) / VISIBLE.first
 
 # Largest circumference of a droplet over the wavelength. Time grows with its square: seconds here.
 LARGEST_SIZE = 1000.0
@@ -64,45 +67,55 @@ class Distribution:
 
 @dataclass(frozen=True)
 class Scattering:
-    """What a droplet does on average, at WAVELENGTHS."""
+    """What a droplet does on average, at n `wavelengths`."""
 
     cross_section: Floats
-    """m2, shape (21,); droplets are clear, so this is extinction too."""
+    """m2, shape (n,); droplets are clear, so this is extinction too."""
     cosines: Floats
     """Of the scattering angle, increasing from -1 to 1."""
     phase: Floats
-    """Per steradian, shape (21, cosines); its integral over all directions is 1."""
+    """Per steradian, shape (n, cosines); its integral over all directions is 1."""
 
 
 class TooLargeError(Exception):
     """The droplets are too large to be computed; the message says which would do."""
 
 
-def scattering(distribution: Distribution, index: tuple[float, ...]) -> Scattering:
-    """Return how droplets scatter whose index of refraction at WAVELENGTHS is `index`.
+def wavelengths(within: WavelengthRange = VISIBLE) -> Floats:
+    """Return where spheres are computed, nm; in between, what they do is linear."""
+    if within.is_usual:
+        return np.linspace(within.first, within.last, _VISIBLE_COUNT)
+    count = math.ceil(math.log(within.last / within.first) / math.log(_PART)) + 1
+    return np.geomspace(within.first, within.last, count)
+
+
+def scattering(
+    distribution: Distribution, index: tuple[float, ...], within: WavelengthRange = VISIBLE
+) -> Scattering:
+    """Return how droplets scatter whose index of refraction at `wavelengths` is `index`.
 
     Cosines are chosen so that straight lines between them miss the phase function by less than 1 %. Raises
     TooLargeError.
     """
-    radii = _radii(distribution)
-    largest = 2 * math.pi * radii[-1] / (FIRST * 1e-9)
+    radii = _radii(distribution, within)
+    largest = 2 * math.pi * radii[-1] / (within.first * 1e-9)
     if largest > LARGEST_SIZE:
-        limit = LARGEST_SIZE * FIRST * 1e-9 / (2 * math.pi)
+        limit = LARGEST_SIZE * within.first * 1e-9 / (2 * math.pi)
         raise TooLargeError(
             f"the distribution reaches droplets of {radii[-1] * 1e6:.3g} micrometres; "
             f"expected a radius of at most {limit * 1e6:.3g}"
         )
-    return _kept(distribution, index)
+    return _kept(distribution, index, within)
 
 
 @lru_cache(maxsize=32)
-def _kept(distribution: Distribution, index: tuple[float, ...]) -> Scattering:
-    place = _place(distribution, index)
+def _kept(distribution: Distribution, index: tuple[float, ...], within: WavelengthRange) -> Scattering:
+    place = _place(distribution, index, within)
     try:
         with np.load(place) as found:
             return Scattering(found["cross_section"], found["cosines"], found["phase"])
     except (OSError, ValueError, KeyError, EOFError):
-        made = _compute(distribution, index)
+        made = _compute(distribution, index, within)
     try:
         place.parent.mkdir(parents=True, exist_ok=True)
         with replacing(place) as unfinished:
@@ -112,29 +125,31 @@ def _kept(distribution: Distribution, index: tuple[float, ...]) -> Scattering:
     return made
 
 
-def _place(distribution: Distribution, index: tuple[float, ...]) -> Path:
-    content = repr((_VERSION, _SIZES, _TAIL, _TOLERANCE, distribution, index))
+def _place(distribution: Distribution, index: tuple[float, ...], within: WavelengthRange) -> Path:
+    # Tables from before scenes had ranges keep their names.
+    ends = () if within.is_usual else (within,)
+    content = repr((_VERSION, _SIZES, _TAIL, _TOLERANCE, distribution, index, *ends))
     return (
         platformdirs.user_cache_path("nocturne") / f"mie-{hashlib.sha256(content.encode()).hexdigest()}.npz"
     )
 
 
-def _radii(distribution: Distribution) -> Floats:
+def _radii(distribution: Distribution, within: WavelengthRange = VISIBLE) -> Floats:
     """Equal steps of the square root over all sizes that scatter: dense for haze, and where fog has most."""
     wide = distribution.mode_radius * np.geomspace(1e-3, 1e4, 4001)
     # Far below the wavelength scattering falls with the sixth power of the radius.
-    efficiency = np.minimum(1.0, (2 * np.pi * wide / (FIRST * 1e-9)) ** 4)
+    efficiency = np.minimum(1.0, (2 * np.pi * wide / (within.first * 1e-9)) ** 4)
     light = distribution.density(wide) * wide**3 * efficiency
     seen = np.flatnonzero(light > _TAIL * light.max())
     return np.linspace(math.sqrt(wide[seen[0]]), math.sqrt(wide[seen[-1]]), _SIZES) ** 2
 
 
-def _compute(distribution: Distribution, index: tuple[float, ...]) -> Scattering:
-    radii = _radii(distribution)
+def _compute(distribution: Distribution, index: tuple[float, ...], within: WavelengthRange) -> Scattering:
+    radii = _radii(distribution, within)
     # The trapezoid rule over the square root of the radius, whose ends count for nothing.
     roots = np.sqrt(radii)
     weights = distribution.density(radii) * 2 * roots * (roots[1] - roots[0])
-    series = [_Series(n, radii, weights, nm * 1e-9) for n, nm in zip(index, WAVELENGTHS, strict=True)]
+    series = [_Series(n, radii, weights, nm * 1e-9) for n, nm in zip(index, wavelengths(within), strict=True)]
     angles, values = _refined(series)
     cosines = np.cos(angles)[::-1].copy()
     cosines[0], cosines[-1] = -1.0, 1.0

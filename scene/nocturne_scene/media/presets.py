@@ -7,14 +7,15 @@ from typing import Any
 import numpy as np
 
 from nocturne_scene.media import rayleigh, skin
-from nocturne_scene.spectra.published import Floats, data_file, visible_wavelengths
+from nocturne_scene.spectra.published import Floats, data_file
+from nocturne_scene.spectra.wavelength_range import VISIBLE, WavelengthRange
 
 AIR = "air"
 
 
 @dataclass(frozen=True)
 class Coefficients:
-    """Absorption and scattering, 1/m, at `visible_wavelengths`."""
+    """Absorption and scattering, 1/m."""
 
     absorption: Floats
     scattering: Floats
@@ -32,12 +33,13 @@ def droplets() -> dict[str, dict[str, Any]]:
     return {name: {key: entry[key] for key in entry if key != "source"} for name, entry in found.items()}
 
 
-def coefficients(name: str) -> Coefficients:
-    """Return those of air at sea level (288.15 K, 101325 Pa), a layer of skin or a measured medium.
+def coefficients(name: str, within: WavelengthRange = VISIBLE) -> Coefficients:
+    """Return those of air at sea level (288.15 K, 101325 Pa), a layer of skin or a measured medium, at a
+    range's grid.
 
     Raises KeyError for another name.
     """
-    wavelengths = visible_wavelengths()
+    wavelengths = within.grid()
     if name == AIR:
         scattering = rayleigh.number_density() * rayleigh.cross_section(wavelengths)
         return Coefficients(np.zeros_like(scattering), scattering)
@@ -53,12 +55,36 @@ def coefficients(name: str) -> Coefficients:
     return Coefficients(absorption, scattering)
 
 
+OZONE_ENDS = (200.0, 1065.0)
+"""nm, of its cross-section."""
+
+
+def ends(name: str) -> tuple[float, float] | None:
+    """Return the wavelengths from and to which a medium was measured, nm; None: it follows a formula."""
+    if name in skin.layers():
+        return skin.ends()
+    if name in data_file("media.toml")["measured"]["media"]:
+        at = data_file("media.toml")["measured"]["wavelengths"]
+        return float(min(at)), float(max(at))
+    return None
+
+
 def ozone_cross_section(wavelengths: Floats) -> Floats:
-    """Return the absorption cross-section of a molecule, m2, at wavelengths in nm; held beyond the table."""
-    ozone = data_file("media.toml")["ozone"]
-    values = np.array(ozone["cross_section"])
-    at = ozone["first_nm"] + ozone["step_nm"] * np.arange(len(values))
-    return np.asarray(np.interp(wavelengths, at, values), dtype=np.float64)
+    """Return the absorption cross-section of a molecule, m2, at wavelengths in nm.
+
+    From 360 to 830 nm means over 10 nm, held at both ends; below, means over 1 nm from 200 nm on; above, over
+    10 nm to 1065 nm, and zero beyond.
+    """
+    ozone, at = data_file("media.toml")["ozone"], np.asarray(wavelengths, dtype=np.float64)
+    visible = np.interp(at, *_steps(ozone))
+    ultraviolet = np.interp(at, *_steps(ozone["ultraviolet"]))
+    infrared = np.interp(at, *_steps(ozone["infrared"]), right=0.0)
+    return np.where(at < VISIBLE.first, ultraviolet, np.where(at > VISIBLE.last, infrared, visible))
+
+
+def _steps(entry: dict[str, Any]) -> tuple[Floats, Floats]:
+    values = np.array(entry["cross_section"], dtype=np.float64)
+    return entry["first_nm"] + entry["step_nm"] * np.arange(len(values)), values
 
 
 def ozone_layer() -> Floats:

@@ -37,6 +37,13 @@ def scattering(layer: str, wavelengths: Floats) -> Floats:
     return np.asarray(_PER_CM * entry["at_500"] * mixed)
 
 
+def ends() -> tuple[float, float]:
+    """Return the wavelengths from and to which blood's absorption is tabulated, nm."""
+    data = data_file("skin.toml")["haemoglobin"]
+    first = float(data["first_nm"])
+    return first, first + data["step_nm"] * (len(data["oxygenated"]) - 1)
+
+
 def blood(wavelengths: Floats) -> tuple[Floats, Floats]:
     """Return the absorption coefficients of oxygenated and deoxygenated blood, 1/m; held beyond the table."""
     data = data_file("skin.toml")["haemoglobin"]

@@ -43,7 +43,7 @@ DGP_MIN_ILLUMINANCE = 380.0
 DGP_RANGE = (0.2, 0.8)
 _MOST_INDEX = 16.0
 """Position index in DGP, as in evalglare."""
-_TABLE = (3.0, 1.9)
+TABLE_ENDS = (3.0, 1.9)
 """Where CIE 117's table of position indices ends: distances to the side and up, over that along the line of
 sight. It leaves out luminaires beyond; the formula goes on, and counts them the less the farther they are."""
 
@@ -286,7 +286,7 @@ def _notes(found: Glare, seen: PixelDirections) -> Iterator[str]:
 def _is_beyond_table(source: GlareSource) -> bool:
     azimuth, elevation = math.radians(source.azimuth_degrees), math.radians(source.elevation_degrees)
     aside, up = abs(math.tan(azimuth)), math.tan(elevation) / max(math.cos(azimuth), 1e-9)
-    return up > 0.0 and (aside > _TABLE[0] or up > _TABLE[1])
+    return up > 0.0 and (aside > TABLE_ENDS[0] or up > TABLE_ENDS[1])
 
 
 def _notes_on_size(found: Glare, film: tuple[int, ...], *, by_luminaires: bool) -> Iterator[str]:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from nocturne_scene.photometry.outlines import Outline
 from nocturne_scene.tile_sums import Values
-from nocturne_scene.uncertainty import ImageMoments, RegionSums
+from nocturne_scene.uncertainty import ImageMoments, RegionReading, RegionSums
 
 MAX_BINS = 512
 
@@ -53,6 +53,30 @@ class Measured:
     ud_error: float
     profile: tuple[PixelValue, ...]
     """Of a line: its pixels in order."""
+    reading: RegionReading
+    """Of all quantities over the outline."""
+
+
+@dataclass(frozen=True, slots=True)
+class DaylightFactor:
+    """Illuminance over that outdoors, unobstructed and horizontal, in percent (EN 17037); standard errors."""
+
+    mean: float
+    mean_error: float
+    minimum: float
+    minimum_error: float
+
+
+def daylight_factor(found: Measured, outdoor: Measured) -> DaylightFactor:
+    """Of a part of an image; `outdoor` is another of the same image.
+
+    Samples of different meters are drawn independently, so the errors of what is divided know nothing of
+    each other; the part outdoors has 100 % of itself, without an error.
+    """
+    mean, mean_error = _over(found.mean, found.mean_error, outdoor)
+    low = found.minimum
+    minimum, minimum_error = _over(low.value, low.standard_error, outdoor)
+    return DaylightFactor(100.0 * mean, 100.0 * mean_error, 100.0 * minimum, 100.0 * minimum_error)
 
 
 class Measuring:
@@ -109,6 +133,7 @@ class Measuring:
             *ratio(low.value, low.standard_error, mean, mean_error, together),
             *ratio(low.value, low.standard_error, high.value, high.standard_error, _covariance(low, high)),
             tuple(self._in_order()),
+            reading,
         )
 
     def _in_order(self) -> Iterable[PixelValue]:
@@ -129,6 +154,11 @@ def _values_and_errors(image: ImageMoments, index: int) -> tuple[Values, Values]
 def _covariance(low: PixelValue, high: PixelValue) -> float:
     """One pixel's with itself; pixels are drawn independently."""
     return low.standard_error**2 if (low.x, low.y) == (high.x, high.y) else 0.0
+
+
+def _over(value: float, error: float, outdoor: Measured) -> tuple[float, float]:
+    same = (value, error) == (outdoor.mean, outdoor.mean_error)
+    return ratio(value, error, outdoor.mean, outdoor.mean_error, error**2 if same else 0.0)
 
 
 def ratio(

@@ -11,7 +11,7 @@ from nocturne_scene.spectra import indices
 SODIUM_NM = 589.29
 """Middle of the sodium D lines, to which a catalogue's n_D belongs."""
 
-# Metals' indices give them their colour and part no photons, so they stay.
+# Metals' indices, and those of thin layers, give them their colour and part no photons, so they stay.
 _REFRACTING = ("dielectric", "thin_pane", "coated_diffuse", "principled")
 
 

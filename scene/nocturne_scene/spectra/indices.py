@@ -9,7 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from nocturne.v1 import scene_pb2
 
-from nocturne_scene.spectra.published import FIRST, LAST, Floats, data_file
+from nocturne_scene.spectra.published import Floats, data_file
+from nocturne_scene.spectra.wavelength_range import VISIBLE, WavelengthRange
 
 # nm of compiled tables: linear in between, the error is below 1e-7 for the strongest flint here at the F
 # line.
@@ -21,7 +22,7 @@ LARGEST = 1e3
 
 
 class BadIndexError(Exception):
-    """A formula has no usable index somewhere in the visible range; the message says where."""
+    """A formula has no usable index somewhere in the range; the message says where."""
 
 
 @dataclass(frozen=True)
@@ -84,36 +85,41 @@ def cauchy(coefficients: Sequence[float]) -> Callable[[Floats], Floats]:
     return n
 
 
-def compile_curve(curve: Callable[[Floats], Floats]) -> scene_pb2.Spectrum:
-    """Tabulate n or k over the visible range, each STEP nm."""
-    values = curve(_wavelengths())
+def compile_curve(curve: Callable[[Floats], Floats], within: WavelengthRange = VISIBLE) -> scene_pb2.Spectrum:
+    """Tabulate n or k over a range, each STEP nm."""
+    values = curve(_wavelengths(within))
     if np.all(values == values[0]):
         return scene_pb2.Spectrum(values=[values[0]])
-    return scene_pb2.Spectrum(first_nm=FIRST, step_nm=STEP, values=values.astype(np.float32).tolist())
+    return scene_pb2.Spectrum(first_nm=within.first, step_nm=STEP, values=values.astype(np.float32).tolist())
 
 
-def compile_dielectric(n: Callable[[Floats], Floats]) -> scene_pb2.Spectrum:
+def compile_dielectric(
+    n: Callable[[Floats], Floats], within: WavelengthRange = VISIBLE
+) -> scene_pb2.Spectrum:
     """Tabulate the index of a dielectric; raises BadIndexError unless it stays in [SMALLEST, LARGEST]."""
-    wavelengths = _wavelengths()
+    wavelengths = _wavelengths(within)
     values = n(wavelengths)
     bad = ~((values >= SMALLEST) & (values <= LARGEST))
     if np.any(bad):
         where = int(np.argmax(bad))
         raise BadIndexError(
             f"the index of refraction is {values[where]:g} at {wavelengths[where]:g} nm; "
-            f"expected {SMALLEST:g} to {LARGEST:g} from {FIRST:g} to {LAST:g} nm"
+            f"expected {SMALLEST:g} to {LARGEST:g} from {within}"
         )
-    return compile_curve(n)
+    return compile_curve(n, within)
 
 
-def compile_metal(name: str) -> tuple[scene_pb2.Spectrum, scene_pb2.Spectrum]:
+def compile_metal(
+    name: str, within: WavelengthRange = VISIBLE
+) -> tuple[scene_pb2.Spectrum, scene_pb2.Spectrum]:
     """Tabulate n and k of one of `metals`."""
     found = metal(name)
-    return compile_curve(found.n), compile_curve(found.k)
+    return compile_curve(found.n, within), compile_curve(found.k, within)
 
 
-def _wavelengths() -> Floats:
-    return np.asarray(FIRST + STEP * np.arange(round((LAST - FIRST) / STEP) + 1), dtype=np.float64)
+def _wavelengths(within: WavelengthRange) -> Floats:
+    count = round((within.last - within.first) / STEP) + 1
+    return np.asarray(within.first + STEP * np.arange(count), dtype=np.float64)
 
 
 def _zero(wavelengths: Floats) -> Floats:

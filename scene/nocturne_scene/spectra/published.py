@@ -14,24 +14,18 @@ from typing import Any
 
 import numpy as np
 import platformdirs
-from numpy.typing import NDArray
 
 from nocturne_scene.replacing import replacing
-
-Floats = NDArray[np.float64]
-
-# nm. The range of the CIE 1931 2-degree observer (CIE 018:2019, table 6), and its step.
-FIRST = 360.0
-LAST = 830.0
-STEP = 1.0
+from nocturne_scene.spectra.constants import BOLTZMANN as BOLTZMANN
+from nocturne_scene.spectra.constants import FIRST as FIRST
+from nocturne_scene.spectra.constants import LAST as LAST
+from nocturne_scene.spectra.constants import LIGHT_SPEED as LIGHT_SPEED
+from nocturne_scene.spectra.constants import PLANCK as PLANCK
+from nocturne_scene.spectra.constants import STEP as STEP
+from nocturne_scene.spectra.constants import Floats as Floats
 
 # lm/W. CIE 018:2019: the luminous efficacy that makes Y the luminance in cd/m2.
 MAX_LUMINOUS_EFFICACY = 683.0
-
-# SI 2019, exact: J s, m/s, J/K.
-PLANCK = 6.62607015e-34
-LIGHT_SPEED = 299_792_458.0
-BOLTZMANN = 1.380649e-23
 
 # IEC 61966-2-1: the printed matrices between XYZ (Y of white = 1) and linear sRGB, and Y of red, green
 # and blue.
@@ -140,18 +134,19 @@ def observer(name: str) -> Floats:
     return _kept(f"observer-{name}", read)
 
 
-@lru_cache(maxsize=len(ILLUMINANTS))
-def illuminant(name: str) -> tuple[Floats, Floats]:
+@lru_cache(maxsize=2 * len(ILLUMINANTS))
+def illuminant(name: str, first: float = FIRST, last: float = LAST) -> tuple[Floats, Floats]:
     """Return wavelengths in nm and the relative spectrum there, linear in between; `name` is one of
     ILLUMINANTS.
 
-    A is CIE 015:2018, equation 4.1, each nm. The others are its tables, each 5 nm, as colour-science has
-    them: to 780 nm. Beyond, the daylights are held (its section 7.2.3); the others are dark.
+    A is CIE 015:2018, equation 4.1, each nm from `first` to `last`; E is even there. The others are its
+    tables, each 5 nm, as colour-science has them: to 780 nm. Beyond, the daylights are held to 830 nm (its
+    section 7.2.3); the others are dark.
     """
     if name == "E":
-        return np.array([FIRST, LAST]), np.ones(2)
+        return np.array([first, last]), np.ones(2)
     if name == "A":
-        wavelengths = visible_wavelengths()
+        wavelengths = np.arange(first, last + STEP / 2, STEP)
         return wavelengths, _illuminant_a(wavelengths)
     wavelengths, values = _kept(f"illuminant-{name}", lambda: _spectrum(_colour().SDS_ILLUMINANTS[name]))
     if name not in _DAYLIGHTS:
@@ -220,3 +215,81 @@ def data_file(name: str) -> dict[str, Any]:
 def data_bytes(name: str) -> bytes:
     """Read a binary file of `scene/data`."""
     return resources.files("nocturne_scene.data").joinpath(name).read_bytes()
+
+
+COLOUR_RANGE = (380, 780)
+"""nm, both ends in: what colour rendering and alpha-opic quantities are defined over (CIE 13.3, CIE 224, CIE
+S 026)."""
+
+
+def colour_wavelengths() -> Floats:
+    """COLOUR_RANGE, each nm: 401 numbers."""
+    return np.arange(COLOUR_RANGE[0], COLOUR_RANGE[1] + 1.0)
+
+
+@lru_cache(maxsize=1)
+def test_colours() -> Floats:
+    """Reflectances of the 14 test colours of CIE 13.3-1995, shape (401, 14), at `colour_wavelengths`; its
+    tables are each 5 nm, straight in between."""
+
+    def read() -> Floats:
+        found = _colour().quality.SDS_TCS["CIE 1995"].values()
+        columns = [np.interp(colour_wavelengths(), each.wavelengths, each.values) for each in found]
+        return np.stack(columns, axis=-1)
+
+    return _kept("test-colours", read)
+
+
+@lru_cache(maxsize=1)
+def colour_evaluation_samples() -> Floats:
+    """Reflectances of the 99 samples of CIE 224:2017 and ANSI/IES TM-30-20, shape (401, 99), at
+    `colour_wavelengths`."""
+
+    def read() -> Floats:
+        colour = _colour()
+        shape = colour.SpectralShape(*COLOUR_RANGE, 1)
+        return np.asarray(colour.quality.cfi2017.load_TCS_CIE2017(shape).values, dtype=np.float64)
+
+    return _kept("colour-evaluation-samples", read)
+
+
+@lru_cache(maxsize=1)
+def daylight_components() -> Floats:
+    """S0, S1, S2 of CIE 015:2018, table 6, shape (401, 3), at `colour_wavelengths`; each 5 nm, straight in
+    between."""
+
+    def read() -> Floats:
+        found = _colour().colorimetry.SDS_BASIS_FUNCTIONS_CIE_ILLUMINANT_D_SERIES
+        columns = [
+            np.interp(colour_wavelengths(), found[name].wavelengths, found[name].values)
+            for name in ("S0", "S1", "S2")
+        ]
+        return np.stack(columns, axis=-1)
+
+    return _kept("daylight-components", read)
+
+
+ALPHA_OPIC = ("S-cone-opic", "M-cone-opic", "L-cone-opic", "rhodopic", "melanopic")
+"""The responses of CIE S 026/E:2018."""
+
+
+@lru_cache(maxsize=1)
+def alpha_opic_spectra() -> Floats:
+    """Action spectra of ALPHA_OPIC, shape (401, 5), at `colour_wavelengths`; largest 1.
+
+    Cones: Stockman and Sharpe's fundamentals for 10 degrees, CIE 170-1:2006. Rods: CIE 1951. Melanopsin: the
+    standard's own table. Together these are the tables of CIE S 026/E:2018.
+    """
+
+    def read() -> Floats:
+        colour, wavelengths = _colour(), colour_wavelengths()
+        cones = colour.MSDS_CMFS["Stockman & Sharpe 10 Degree Cone Fundamentals"]
+        rods = colour.SDS_LEFS["CIE 1951 Scotopic Standard Observer"]
+        long, medium, short = (
+            np.interp(wavelengths, cones.wavelengths, each, left=0.0, right=0.0) for each in cones.values.T
+        )
+        rod = np.interp(wavelengths, rods.wavelengths, rods.values)
+        return np.stack([short, medium, long, rod], axis=-1)
+
+    melanopic = np.array(data_file("action_spectra.toml")["melanopic"])
+    return np.column_stack([_kept("cones-and-rods", read), melanopic])

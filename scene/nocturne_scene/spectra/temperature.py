@@ -47,6 +47,11 @@ def _uv(xyz: Floats) -> Floats:
     return np.stack([4.0 * xyz[..., 0] / below, 6.0 * xyz[..., 1] / below], axis=-1)
 
 
+def colour_temperature_of(xyz: Floats) -> tuple[float, float]:
+    """K and Duv of X, Y, Z, whatever their distance from the locus."""
+    return _nearest(_uv(xyz))
+
+
 def colour_temperature(xyz: Floats, covariance: Floats) -> ColourTemperature:
     """Of X, Y, Z, with their 3 x 3 covariance; errors to first order."""
     kelvin, duv = _nearest(_uv(xyz))

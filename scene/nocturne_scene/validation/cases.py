@@ -6,9 +6,9 @@ from typing import Literal
 
 from nocturne_scene.validation.documents import RANGE_NM, Document
 
-Quantity = Literal["Y", "grey", "u'", "v'"]
-"""`grey`: the mean over wavelength of a further response of that name, as `documents.GREY` has it; u', v':
-chromaticity (CIE 1976)."""
+Quantity = Literal["Y", "PAR", "grey", "u'", "v'"]
+"""`PAR`: the channel of that named response; `grey`: the mean over wavelength of a further response of that
+name, as `documents.GREY` has it; u', v': chromaticity (CIE 1976)."""
 
 
 @dataclass(frozen=True)

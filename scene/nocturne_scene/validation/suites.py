@@ -5,9 +5,11 @@ from nocturne_scene.validation import (
     colours,
     configuration_factors,
     enclosures,
+    films,
     interfaces,
     lamps,
     media,
+    wavelengths,
 )
 from nocturne_scene.validation.cases import Suite
 
@@ -17,6 +19,8 @@ SUITES = (
     Suite("factors", "Configuration factors", configuration_factors.scenes),
     Suite("enclosures", "Integrating spheres, cavities and furnaces", enclosures.scenes),
     Suite("glass", "Fresnel's faces and plates", interfaces.scenes),
+    Suite("films", "Thin films and coated panes", films.scenes),
     Suite("media", "Slabs, half spaces and layers of media", media.scenes),
     Suite("colours", "Standard illuminants and black bodies", colours.scenes),
+    Suite("wavelengths", "Ultraviolet and near infrared: W, photons, weighed watts", wavelengths.scenes),
 )

@@ -15,6 +15,8 @@ SMALL_BODY_BYTES = MEBIBYTE
 
 # Compiling is processor work in a thread; two at once, and a short queue whose documents fit in memory.
 COMPILES_AT_ONCE = 2
+# Beyond those, one of each of so many owners who have none: some scenes take minutes.
+COMPILES_OF_NEWCOMERS = 4
 COMPILES_WAITING = 16
 # Of those, one owner's: the others' places are for others.
 COMPILES_WAITING_OF_OWNER = 8

@@ -1,6 +1,7 @@
 """The render engine: a scene goes to the service, and its image comes back as it grows."""
 
 import time
+from contextlib import suppress
 from typing import Any
 
 import bpy
@@ -57,7 +58,7 @@ class NocturneEngine(bpy.types.RenderEngine):
         sent = read(depsgraph, lambda frame, part: self.frame_set(frame, subframe=part))
         for sentence in sent.findings.sentences:
             self.report({"WARNING"}, sentence)
-        service = Service(wanted.url, settings.token())
+        service = Service(wanted.url, settings.token(), self._waits)
         if wanted.start_here:
             self.update_stats("", "Waiting for the service")
             local_service.ensure(service, wanted.url, settings.program(), settings.data_folder())
@@ -96,8 +97,10 @@ class NocturneEngine(bpy.types.RenderEngine):
                 if has_ended(render):
                     break
                 time.sleep(_INTERVAL_S)
-        except Cancelled:
-            service.cancel(identity)
+        except (Cancelled, ServiceError):
+            # Nobody looks at it any more.
+            with suppress(ServiceError):
+                service.cancel(identity)
             raise
         finally:
             self.end_result(result)
@@ -124,6 +127,10 @@ class NocturneEngine(bpy.types.RenderEngine):
         said = f"{samples:.0f} of {render['samples']} samples per pixel"
         self.update_stats("", said + (f", error {error:.2%}" if error else ""))
         self.update_progress(min(1.0, samples / render["samples"]))
+
+    def _waits(self, why: str, seconds: float) -> None:
+        self.update_stats("", f"{why}; asking again in {seconds:.0f} s")
+        self._stop_if_asked()
 
     def _stop_if_asked(self) -> None:
         if self.test_break():

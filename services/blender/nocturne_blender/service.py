@@ -7,15 +7,19 @@ import time
 import urllib.error
 import urllib.request
 import uuid
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 Json = Any
 
 _TIMEOUT_S = 60.0
-# Between attempts while the service is busy or not reached.
+# Between attempts while the service is not reached, or busy without saying for how long.
 _DELAYS_S = (0.2, 0.5, 1.0)
+# Of a render that is at work: its service may be started again.
+_FOLLOW_DELAYS_S = (*_DELAYS_S, *([2.0] * 150))
+# Between looks at whether a render that waits was cancelled.
+_PIECE_S = 0.25
 _BUSY = (429, 503)
 _ENDED = ("SUCCEEDED", "STOPPED_EARLY", "DEGRADED", "FAILED", "CANCELLED")
 
@@ -43,10 +47,16 @@ class Job:
 class Service:
     """One service. Every method raises ServiceError."""
 
-    def __init__(self, url: str, token: str = "") -> None:
+    def __init__(
+        self, url: str, token: str = "", on_wait: Callable[[str, float], None] | None = None
+    ) -> None:
+        """A service that is busy, or has a quota used up, says after how long to ask again: calls wait for
+        that, as often as it does. `on_wait` gets why and the seconds left, several times a second; what it
+        raises ends the call."""
         if not url.startswith(("http://", "https://")):
             raise ServiceError(f"{url!r} is not an address; expected one such as http://127.0.0.1:7070")
         self._url = url.rstrip("/")
+        self._on_wait = on_wait
         self._headers = {"Authorization": f"Bearer {token}"} if token else {}
         context = ssl.create_default_context(cafile=os.environ.get("NOCTURNE_CA"))
         # No proxies: scenes go to the address that was given.
@@ -93,27 +103,45 @@ class Service:
 
     def render(self, identity: str) -> Json:
         """The render as it is now."""
-        return json.loads(self._send("GET", f"/v1/renders/{identity}"))
+        return json.loads(self._send("GET", f"/v1/renders/{identity}", delays_s=_FOLLOW_DELAYS_S))
 
     def tiles(self, identity: str, since: str) -> bytes:
         """Tiles that changed; empty where none did."""
         query = f"?since={since}" if since else ""
-        return self._send("GET", f"/v1/renders/{identity}/tiles{query}")
+        return self._send("GET", f"/v1/renders/{identity}/tiles{query}", delays_s=_FOLLOW_DELAYS_S)
 
     def cancel(self, identity: str) -> None:
-        """Stops a render; what it has stays at the service."""
-        self._post(f"/v1/renders/{identity}:cancel", {})
+        """Stops a render, whatever `on_wait` says; what it has stays at the service."""
+        self._send("POST", f"/v1/renders/{identity}:cancel", b"{}", "application/json", quiet=True)
 
     def _post(self, path: str, body: Json) -> Json:
         return json.loads(self._send("POST", path, json.dumps(body).encode(), "application/json"))
 
-    def _send(self, method: str, path: str, body: bytes | None = None, kind: str = "") -> bytes:
-        for delay in _DELAYS_S:
+    def _send(
+        self,
+        method: str,
+        path: str,
+        body: bytes | None = None,
+        kind: str = "",
+        delays_s: Iterable[float] = _DELAYS_S,
+        quiet: bool = False,
+    ) -> bytes:
+        delays = iter(delays_s)
+        while True:
             try:
                 return self._once(method, path, body, kind)
-            except _Again:
-                time.sleep(delay)
-        return self._once(method, path, body, kind)
+            except _Again as error:
+                delay = error.after_s or next(delays, 0.0)
+                if not delay:
+                    raise
+                self._wait(str(error), delay, quiet)
+
+    def _wait(self, why: str, seconds: float, quiet: bool) -> None:
+        until = time.monotonic() + seconds
+        while (left := until - time.monotonic()) > 0.0:
+            if self._on_wait and not quiet:
+                self._on_wait(why, left)
+            time.sleep(min(left, _PIECE_S))
 
     def _once(self, method: str, path: str, body: bytes | None = None, kind: str = "") -> bytes:
         headers = self._headers | ({"Content-Type": kind} if kind else {})
@@ -126,7 +154,10 @@ class Service:
             if error.code == 304:
                 return b""
             said = _said(error)
-            raise _Again(said) if error.code in _BUSY else ServiceError(said) from error
+            if error.code not in _BUSY:
+                raise ServiceError(said) from error
+            after = error.headers.get("Retry-After", "")
+            raise _Again(said, float(after) if after.isascii() and after.isdecimal() else 0.0) from error
         except (OSError, urllib.error.URLError) as error:
             reason = getattr(error, "reason", error)
             raise _Again(
@@ -136,7 +167,11 @@ class Service:
 
 
 class _Again(NotReached):
-    """What may be better in a moment."""
+    """What may be better in a moment, or `after_s` seconds where the service said so."""
+
+    def __init__(self, message: str, after_s: float = 0.0) -> None:
+        super().__init__(message)
+        self.after_s = after_s
 
 
 def _said(error: urllib.error.HTTPError) -> str:

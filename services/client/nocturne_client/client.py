@@ -41,7 +41,7 @@ from nocturne_client.import_files import files_of_import
 from nocturne_client.models import Render
 from nocturne_client.outputs import check_output, written
 from nocturne_client.scene_files import SceneOnDisk, digest, read_scene
-from nocturne_client.transport import RETRY_DELAYS_S, Transport, wait_for
+from nocturne_client.transport import PATIENCE_S, RETRY_DELAYS_S, OnWait, Transport
 
 if TYPE_CHECKING:
     from nocturne_client.tiles import TileAnswer
@@ -82,12 +82,16 @@ class Client:
         url: str | None = None,
         transport: httpx.BaseTransport | None = None,
         token: str | None = None,
+        patience_s: float = PATIENCE_S,
+        on_wait: OnWait | None = None,
     ) -> None:
         """`token` defaults to the environment variable NOCTURNE_TOKEN; none is sent where there is none.
 
-        The PEM file NOCTURNE_CA, where it is set, says whose certificates are believed.
+        A service that is busy, or has a quota used up, says after how many seconds to ask again: a call waits
+        so, for `patience_s` in all, and tells `on_wait`. The PEM file NOCTURNE_CA, where it is set, says
+        whose certificates are believed.
         """
-        self._transport = Transport(url, transport, token)
+        self._transport = Transport(url, transport, token, patience_s, on_wait)
         self.url = self._transport.url
 
     def __enter__(self) -> "Client":
@@ -302,11 +306,12 @@ class Client:
         bins: int = 0,
         bounds: tuple[float, float] = (0.0, 0.0),
         logarithmic: bool = False,
+        colour: bool = False,
     ) -> Measurements:
         """Extremes, mean and uniformity of parts of the image, with their errors.
 
         Without outlines of those kept with the render; where there are none, of the whole film. `bins`: of a
-        histogram, between `bounds` or as the values are.
+        histogram, between `bounds` or as the values are. `colour`: tell that of the light, where it is known.
         """
         body = {
             "outlines": [asdict(outline) for outline in outlines],
@@ -315,6 +320,7 @@ class Client:
             "low": bounds[0],
             "high": bounds[1],
             "logarithmic": logarithmic,
+            "colour": colour,
         }
         return decode(Measurements, self._transport.post(f"/v1/renders/{_part(render_id)}:measure", body))
 
@@ -403,7 +409,7 @@ class Client:
                 failures += 1
                 if failures > len(delays):
                     raise
-                wait_for(error, delays[failures - 1])
+                self._transport.wait_for(error, delays[failures - 1], self._transport.patience_s)
 
     def download(self, render_id: str, kind: ImageKind, path: Path) -> Path:
         """Writes the image ("exr") or the preview ("png") as it is now, or the "scene" document; `path` is

@@ -164,13 +164,17 @@ class Render:
     floating_point_profile: str
     """How its workers round, which all do alike; empty before the first result."""
     quantity: str
-    """What Y measures: "luminance", "illuminance" or "luminous intensity"; empty: not kept, in renders of
-    older programs.
+    """What Y measures: "luminance", "illuminance" or "luminous intensity", or what the sensor measures
+    instead, such as "irradiance"; empty: not kept, in renders of older programs.
     """
     unit: str
-    """Unit of Y: "cd/m2", "lx" or "cd"."""
+    """Unit of Y, such as "cd/m2", "lx", "cd" or "W m-2"."""
     response_unit: str
     """Unit of further responses, for one without a unit: "W m-2 sr-1", "W m-2" or "W sr-1"."""
+    first_nm: float
+    """The shortest of the scene's wavelengths, nm: 360 unless it says another."""
+    last_nm: float
+    """The longest of them, nm: 830 unless it says another."""
     warnings: list[RenderWarning]
     """What of the scene can hardly be meant, with its place, and what the image may not show."""
     way: str
@@ -291,6 +295,8 @@ class PixelValue:
     value: float
     standard_error: float | None
     """Standard error; null where it is not known."""
+    place: list[float] | None
+    """The middle of a meter's pixel, x, y, z in metres; null of other sensors."""
 
 
 @dataclass(frozen=True)
@@ -303,6 +309,32 @@ class Histogram:
     outside: int
     """Pixels below the first bin or above the last."""
     logarithmic: bool
+
+
+@dataclass(frozen=True)
+class ColourValue:
+    """A number that tells of the colour of the light that arrives."""
+
+    name: str
+    """Such as Ra, Rf, melanopic equivalent daylight illuminance."""
+    value: float | None
+    """Null where the light has none."""
+    standard_error: float | None
+    """Standard error; null where it is not known."""
+    unit: str
+    """In ASCII; empty: none."""
+
+
+@dataclass(frozen=True)
+class DaylightFactor:
+    """Illuminance over that outdoors, in percent (EN 17037)."""
+
+    mean: float
+    mean_error: float | None
+    """Standard error; null where it is not known."""
+    minimum: float
+    minimum_error: float | None
+    """Standard error; null where it is not known."""
 
 
 @dataclass(frozen=True)
@@ -334,6 +366,10 @@ class Measurement:
     """The same as a table (RFC 4180); empty for other outlines."""
     histogram: Histogram | None
     """Where one was asked for."""
+    colour: list[ColourValue]
+    """Of the light, where it was asked for and is known."""
+    daylight_factor: DaylightFactor | None
+    """Of meters whose sensor names what is outdoors."""
 
 
 @dataclass(frozen=True)

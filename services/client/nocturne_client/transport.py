@@ -1,6 +1,7 @@
 """HTTP to one service: its address, token and certificates, requests tried again, and errors in one form."""
 
 import json
+import math
 import os
 import ssl
 import time
@@ -15,17 +16,31 @@ from nocturne_client.errors import NocturneClientError, NotReachedError, Problem
 
 DEFAULT_URL = "http://127.0.0.1:7070"
 RETRY_DELAYS_S = (0.2, 0.5, 1.0)
-# Whoever asks should hear of longer waits, such as for a quota, at once.
-_LONGEST_WAIT_S = 10.0
+# As long as the service may ask for thrice: it says 60 s where a quota is used up.
+PATIENCE_S = 180.0
 
 _TIMEOUT = httpx.Timeout(60.0, connect=5.0)
 _T = TypeVar("_T")
+
+OnWait = Callable[[NocturneClientError, float], None]
+"""Gets why the service can't do it now, and the seconds after which it is asked again."""
 
 
 class Transport:
     """Requests to one service. Every method raises NocturneClientError, and nothing else."""
 
-    def __init__(self, url: str | None, transport: httpx.BaseTransport | None, token: str | None) -> None:
+    def __init__(
+        self,
+        url: str | None,
+        transport: httpx.BaseTransport | None,
+        token: str | None,
+        patience_s: float = PATIENCE_S,
+        on_wait: OnWait | None = None,
+    ) -> None:
+        """`patience_s`: how long one call may wait in all; `on_wait` hears of waits that the service asks
+        for."""
+        self.patience_s = patience_s
+        self._on_wait = on_wait
         self.url = (url or os.environ.get("NOCTURNE_URL") or DEFAULT_URL).rstrip("/")
         token = token or os.environ.get("NOCTURNE_TOKEN")
         headers = {"Authorization": f"Bearer {token}"} if token else {}
@@ -80,19 +95,23 @@ class Transport:
 
     def retrying(self, call: Callable[[], _T]) -> _T:
         """Calls again, after a while, as long as the service was not reached or said that it is busy."""
-        for delay in RETRY_DELAYS_S:
+        delays, waited = iter(RETRY_DELAYS_S), 0.0
+        while True:
             try:
                 return call()
             except NocturneClientError as error:
-                wait_for(error, delay)
-        return call()
+                waited += self.wait_for(error, next(delays, math.inf), self.patience_s - waited)
 
-
-def wait_for(error: NocturneClientError, delay_s: float) -> None:
-    """Waits before the next try, as long as the service said or longer. Raises errors that last."""
-    if not error.can_be_retried or error.retry_after_s > _LONGEST_WAIT_S:
-        raise error
-    time.sleep(max(delay_s, error.retry_after_s))
+    def wait_for(self, error: NocturneClientError, delay_s: float, patience_s: float) -> float:
+        """Waits before the next try, as long as the service said, else a delay; gives the seconds. Raises
+        errors that last, or that would take more patience."""
+        wait_s = error.retry_after_s or delay_s
+        if not error.can_be_retried or wait_s > patience_s:
+            raise error
+        if error.retry_after_s and self._on_wait:
+            self._on_wait(error, wait_s)
+        time.sleep(wait_s)
+        return wait_s
 
 
 def _trusted(url: str) -> ssl.SSLContext | bool:

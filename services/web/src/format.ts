@@ -43,6 +43,14 @@ export function formatDuration(seconds: number): string {
   return `${Math.floor(whole / 3600)}\u00a0h ${twoDigits(Math.floor((whole % 3600) / 60))}\u00a0min`;
 }
 
+/** A unit in ASCII with its signs. */
+export function shownUnit(unit: string): string {
+  return unit
+    .replace("m2", "m²")
+    .replace("umol", "µmol")
+    .replaceAll(/-[12]/g, (power) => (power === "-1" ? "⁻¹" : "⁻²"));
+}
+
 /** "0.60 EUR"; what is below a hundredth is not said to be nothing. */
 export function formatMoney(amount: number, currency: string): string {
   const text = amount >= 0.01 || amount === 0 ? amount.toLocaleString("en", { minimumFractionDigits: 2, maximumFractionDigits: 2 }) : amount.toPrecision(2);

@@ -85,6 +85,15 @@ def test_a_black_sky_where_light_passes_surfaces_straight(tmp_path: Path) -> Non
         ({"type": "diffuse_transmitter", "reflectance": 0.5, "transmittance": 0.5}, "diffuse_transmitter"),
         ({"type": "thin_pane", "index": 1.5, "transmittance": 0.5}, "a pane that absorbs"),
         (
+            {"type": "conductor", "index": "Ag", "coating": [{"index": 1.5, "thickness_nm": 90}]},
+            "a coating has no equal in Mitsuba",
+        ),
+        (
+            {"type": "dielectric", "index": 1.5, "coating": [{"index": 1.38, "thickness_nm": 90}]},
+            "a coating has no equal in Mitsuba",
+        ),
+        ({"type": "glazing", "panes": [{"index": 1.5}]}, "the kernel glazing has no equal in Mitsuba"),
+        (
             {
                 "type": "mask",
                 "kernel": {
@@ -268,6 +277,36 @@ def test_bodies_in_groups_are_exported_where_instances_stand_apart(tmp_path: Pat
     assert root.find("shape[@type='shapegroup']/shape[@type='sphere']") is not None
     [problem] = {*refused(tmp_path / "near", **_twice(1.9))}
     assert problem.startswith("$.groups: may overlap with $.groups")
+
+
+@pytest.mark.parametrize(
+    ("centre", "radius", "absorption", "refused_for"),
+    [
+        ([0.5, 0, 0.5], 0.3, 1, True),
+        ([0.5, 0, 0.5], 0.3, 0, False),
+        ([0, 0, 0], 9, 1, False),
+        ([5, 0, 0], 1, 1, False),
+    ],
+    ids=["across", "clear", "wholly inside", "outside"],
+)
+def test_a_film_partly_in_coloured_glass_is_refused(
+    centre: list[float], radius: float, absorption: float, refused_for: bool, tmp_path: Path
+) -> None:
+    """Mitsuba, whose sensor is in no medium, showed 7 % more of the light in a quarter of such a film."""
+    glass = {"type": "dielectric", "index": 1.345} | ({"absorption": absorption} if absorption else {})
+    ball = {"shape": {"type": "sphere", "centre": centre, "radius": radius}, "kernel": glass}
+    meter = {
+        "type": "irradiance_meter",
+        "position": [0, 0, 0.5],
+        "height": 1,
+        "normal": [0, 0, 1],
+        "up": [0, 1, 0],
+    }
+    if refused_for:
+        [problem] = refused(tmp_path, ball, sensor=meter)
+        assert problem.startswith("$.sensor: a part of its film may lie in $.surfaces[1]")
+    else:
+        export(tmp_path, ball, sensor=meter)
 
 
 def test_the_sensor_in_an_instance_is_in_its_medium(tmp_path: Path) -> None:

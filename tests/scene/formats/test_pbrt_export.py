@@ -94,6 +94,11 @@ def test_what_comes_back_is_the_same_image(name: str, tmp_path: Path) -> None:
         ({"type": "phong", "reflectance": 0.5, "exponent": 10}, "the kernel phong"),
         ({"type": "thin_pane", "index": 1.5, "transmittance": 0.5}, "a pane that absorbs"),
         (
+            {"type": "conductor", "index": "Ag", "coating": [{"index": 1.5, "thickness_nm": 90}]},
+            "a coating has no equal in pbrt",
+        ),
+        ({"type": "glazing", "panes": [{"index": 1.5}]}, "the kernel glazing has no equal in pbrt"),
+        (
             {"type": "conductor", "index": "Ag", "roughness": 0.2, "distribution": "beckmann"},
             "facets by Beckmann",
         ),

@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { formatCount, formatDuration, formatRelativeError, formatSamples, formatStops, formatValue } from "../../../services/web/src/format.ts";
+import { formatCount, formatDuration, formatRelativeError, formatSamples, formatStops, formatValue, shownUnit } from "../../../services/web/src/format.ts";
 
 const cases: [string, string][] = [
   [formatCount(0), "0"],
@@ -26,6 +26,8 @@ const cases: [string, string][] = [
   [formatValue(12_345_678), "1.2346e7"],
   [formatValue(NaN), "–"],
   [formatStops(1.5), "+1.5 EV"],
+  [shownUnit("cd/m2"), "cd/m²"],
+  [shownUnit("umol m-2 s-1"), "µmol m⁻² s⁻¹"],
   [formatStops(-2), "−2.0 EV"],
 ];
 

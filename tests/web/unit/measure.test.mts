@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { ticks } from "../../../services/web/src/image/colour_maps.ts";
+import { glareMarks } from "../../../services/web/src/measure/glare_marks.ts";
 import { glareText, hasGlare } from "../../../services/web/src/measure/glare_text.ts";
 import { isWhole, parsePoints, pointsText } from "../../../services/web/src/measure/outlines.ts";
 import type { Glare, Measurements } from "../../../services/web/src/service/types.ts";
@@ -43,4 +44,16 @@ test("glare is asked for of panoramas alone, of which the service rates it", () 
   assert.ok(hasGlare({ ...film, sensor: "panorama" }));
   for (const sensor of ["irradiance_meter", "intensity_meter", "pinhole", ""]) assert.ok(!hasGlare({ ...film, sensor }), sensor);
   assert.ok(!hasGlare({ width: 4096, height: 2048, sensor: "panorama" }));
+});
+
+test("sources of glare are marked where they are on a panorama", () => {
+  const source = { luminance: 1e4, solid_angle: Math.PI * (Math.PI / 18) ** 2, position_index: 1, azimuth_degrees: 90, elevation_degrees: 0 };
+  const [mark] = glareMarks({ sources: [source] }, { width: 360, height: 180 });
+  assert.ok(mark);
+  const xs = mark.points.map(([x = 0]) => x);
+  const ys = mark.points.map(([, y = 0]) => y);
+  // A circle of ten degrees around the point a quarter to the right.
+  assert.deepEqual([Math.min(...xs), Math.max(...xs)].map(Math.round), [260, 280]);
+  assert.deepEqual([Math.min(...ys), Math.max(...ys)].map(Math.round), [80, 100]);
+  assert.equal(mark.name, "1");
 });

@@ -1,5 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { scaleOf } from "../../../services/web/src/image/look.ts";
 import { clipped, TiledImage } from "../../../services/web/src/image/tiled_image.ts";
 import { decodeTiles, pyramid } from "../../../services/web/src/image/tiles.ts";
 
@@ -66,4 +67,15 @@ test("each level of a pyramid has the mean of the one before", () => {
   assert.equal(levels[1]?.pixels[0], (0 + 1 + 8 + 9) / 4);
   const mean = pixels.filter((_, i) => i % 4 === 0).reduce((sum, value) => sum + value, 0) / 32;
   assert.equal(((levels[2]?.pixels[0] ?? 0) + (levels[2]?.pixels[4] ?? 0)) / 2, mean);
+});
+
+test("a film of more tiles than a call may have arguments has a scale and a reading", () => {
+  const [across, down] = [600, 500];
+  const large = new TiledImage(across, down, 1);
+  for (let index = 0; index < across * down; index += 1) {
+    large.put({ index, revision: 1, x: index % across, y: Math.floor(index / across), width: 1, height: 1, samples: 2 + (index % 5), invalid_samples: index % 3, pixels: new Float32Array([1, 2, 3, 0]) });
+  }
+  assert.equal(scaleOf("samples", large).high, 6);
+  assert.equal(scaleOf("invalid_samples", large).high, 2);
+  assert.deepEqual(large.read({ x: 0, y: 0, width: across, height: down })?.samples, [2, 6]);
 });

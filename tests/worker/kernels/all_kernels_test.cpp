@@ -47,6 +47,23 @@ class Shown {
     for (const float n : {0.0f, 10.0f, 1000.0f})
       add("phong " + std::to_string(n), Phong{Colour(line(0.5f, 1.0f)), n});
     add("null kernel", NullKernel{});
+    const auto film = [](float k) {
+      return ThinFilm(
+          {{line(1.4f, 1.36f), Spectrum(0.0f), 130.0}, {line(2.4f, 2.2f), Spectrum(k), 300.0}});
+    };
+    for (const float alpha : {0.0f, 0.1f, 0.5f}) {
+      const auto as = " " + std::to_string(alpha);
+      add("coated metal" + as,
+          Conductor{line(0.2f, 1.5f), line(3.0f, 4.0f), rough(alpha, alpha), film(0.0f)});
+      for (const float k : {0.0f, 0.1f}) {
+        add("coated glass" + as, Dielectric{rough(alpha, 2.0f * alpha), film(k)});
+        add("coated glass from inside" + as, Dielectric{rough(alpha, 2.0f * alpha), film(k)},
+            1.0f / 1.5f);
+      }
+    }
+    add("soap bubble", Dielectric{rough(0.0f, 0.0f), film(0.0f)}, 1.0f);
+    add("glazing", Glazing({SheetPane{line(1.55f, 1.5f), line(0.9f, 0.5f), film(0.1f), {}},
+                            MeasuredPane{line(0.1f, 0.3f), Spectrum(0.2f), line(0.7f, 0.5f)}}));
     for (const auto& [metallic, roughness, coat] : {std::tuple{0.0f, 0.5f, 0.0f},
                                                     {0.5f, 0.3f, 0.8f},
                                                     {1.0f, 0.7f, 0.0f},
@@ -279,6 +296,19 @@ TEST(AllKernels, AreSoundEverywhere) {
     SCOPED_TRACE(i);
     expect_sound(Conductor{Spectrum(index), Spectrum(b[0]), roughness}.bind(s), wo, wi, u);
     expect_sound(Dielectric{roughness}.bind(s), wo, wi, u);
+    if (i % 8 == 0) {
+      const ThinFilm film({{Spectrum(1.38f), Spectrum(0.0f), 100.0},
+                           {Spectrum(4.0f * b[1] + 0.01f), Spectrum(b[0]), 50.0}});
+      expect_sound(Dielectric{roughness, film}.bind(s), wo, wi, u);
+      expect_sound(Conductor{Spectrum(index), Spectrum(b[0]), roughness, film}.bind(s), wo, wi, u);
+    }
+    // Made with a table of many stacks.
+    if (i % 500 == 0) {
+      const ThinFilm film({{Spectrum(4.0f * b[1] + 0.01f), Spectrum(b[0]), 50.0}});
+      expect_sound(
+          Glazing({SheetPane{Spectrum(index), Spectrum(b[2]), film, {}}, FilmPane{film}}).bind(s),
+          wo, wi, u);
+    }
     expect_sound(CoatedDiffuse(Spectrum(index), roughness, Colour(Spectrum(1.0f))).bind(s), wo, wi,
                  u);
     expect_sound(

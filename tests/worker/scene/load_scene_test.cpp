@@ -93,6 +93,11 @@ TEST(LoadScene, RefusesDamagedMessagesInWords) {
       {"field of view", [](auto& m) { m.mutable_sensor()->set_vertical_field_of_view(4); }},
       {"focus", [](auto& m) { m.mutable_sensor()->set_lens_radius(1); }},
       {"wavelength sampling", [](auto& m) { m.mutable_sensor()->clear_wavelength_sampling(); }},
+      {"200 to 2500 nm",
+       [](auto& m) {
+         m.set_format(7);
+         m.mutable_sensor()->set_response_first_nm(150);
+       }},
       {"add up", [](auto& m) { m.mutable_tracing()->set_weight_kernel(0.9); }},
       {"h is", [](auto& m) { m.mutable_tracing()->set_h(0); }},
       {"medium index", [](auto& m) { add_body(m).add_media(0); }},

@@ -78,6 +78,17 @@ TEST(Spectrum, MeansAreExact) {
   EXPECT_NEAR(cut.mean_between(450, 550), (0.5 * 1.75 + 0.5 * 2.5), 1e-6);
 }
 
+// A germicidal lamp is nothing to a scene of visible light.
+TEST(Spectrum, MeansAreOfWhatIsSeen) {
+  Spectrum line(Spectrum(0.0f), Lines(std::vector<Line>{{253.65f, 80.0f, 0.01f}}));
+  EXPECT_EQ(line.mean(), 0.0f);
+  line.set_seen(200.0f, 280.0f);
+  EXPECT_NEAR(line.mean(), 1.0, 1e-6);
+  Spectrum table(1000.0f, 500.0f, {0.0f, 1.0f}, true);
+  table.set_seen(1000.0f, 2000.0f);
+  EXPECT_NEAR(table.mean(), 0.25, 1e-6);
+}
+
 TEST(Spectrum, RefusesLinesThatMeanNothing) {
   const float infinity = std::numeric_limits<float>::infinity();
   for (const Line& line :

@@ -1,3 +1,4 @@
+// Long: all that an image tells of its errors, in the order in which it is written.
 #include "image/write_exr.h"
 
 #include <ImfChannelList.h>
@@ -9,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <stdexcept>
@@ -76,7 +78,7 @@ class Channels {
     std::size_t index = 0;
     for (std::uint32_t y = 0; y < film_.height; y += tile_size) {
       for (std::uint32_t x = 0; x < film_.width; x += tile_size) {
-        put_ratios_of_tile(&film_.tile_products[TileSums::kProducts * index++], x, y,
+        put_ratios_of_tile(&film_.tile_products[film_.products_of_tile() * index++], x, y,
                            std::min(tile_size, film_.width - x),
                            std::min(tile_size, film_.height - y));
       }
@@ -229,6 +231,79 @@ class Channels {
   std::vector<double> one_more_;
 };
 
+// As nocturne_scene/response_correlations.py has it: of each tile the correlations of the errors of
+// the means of X, Y, Z and further responses over its pixels, the second with the first, the third
+// with both, and so on, as float32, little endian.
+constexpr std::size_t kMostCorrelations = std::size_t{1} << 19;
+
+std::vector<double> values_of_tiles(const TileSums& film, std::uint32_t tile_size) {
+  const std::uint32_t columns = (film.width + tile_size - 1) / tile_size;
+  const std::size_t values = film.values();
+  std::vector<double> tiles(film.tile_products.size() / film.products_of_tile() * values);
+  for (std::uint32_t y = 0; y < film.height; ++y) {
+    for (std::uint32_t x = 0; x < film.width; ++x) {
+      const double* const pixel = &film.sums[film.channels * (std::size_t{y} * film.width + x)];
+      double* const tile = &tiles[values * (y / tile_size * columns + x / tile_size)];
+      for (std::size_t i = 0; i < values; ++i) {
+        tile[i] += pixel[i < 3 ? i : TileSums::kXyzSums + i - 3];
+      }
+    }
+  }
+  return tiles;
+}
+
+// Where in a tile's products that of two values is, the second not behind the first.
+std::size_t place_of_product(std::size_t a, std::size_t b) {
+  if (a < 3) {
+    return a == b ? kSquares[a] - kYY : kXY - kYY + a + b - 1;
+  }
+  return TileSums::kProducts + (a * (a + 1) - 12) / 2 + b;
+}
+
+std::string correlations_of_tiles(const TileSums& film, std::uint32_t tile_size, double samples) {
+  const std::vector<double> sums = values_of_tiles(film, tile_size);
+  const std::size_t values = film.values(), tiles = sums.size() / values;
+  if (film.further == 0 || tiles * values * (values - 1) / 2 > kMostCorrelations) return {};
+  std::string bytes;
+  for (std::size_t tile = 0; tile < tiles; ++tile) {
+    const double* const of = &sums[tile * values];
+    const double* const products = &film.tile_products[tile * film.products_of_tile()];
+    const auto found = [&](std::size_t a, std::size_t b) {
+      return covariance_of_means(products[place_of_product(a, b)], of[a], of[b], samples);
+    };
+    std::vector<double> errors;
+    for (std::size_t a = 0; a < values; ++a)
+      errors.push_back(std::sqrt(std::max(0.0, found(a, a))));
+    for (std::size_t a = 1; a < values; ++a) {
+      for (std::size_t b = 0; b < a; ++b) {
+        const auto value = static_cast<float>(correlation(found(a, b), errors[a] * errors[b]));
+        const auto bits = std::bit_cast<std::uint32_t>(value);
+        for (unsigned byte = 0; byte < 4; ++byte) {
+          bytes.push_back(static_cast<char>(bits >> (8u * byte)));
+        }
+      }
+    }
+  }
+  return bytes;
+}
+
+// RFC 4648.
+std::string base64(const std::string& bytes) {
+  static constexpr char kDigits[] =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t three = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      three = three << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+    }
+    for (std::size_t k = 0; k < 4; ++k) {
+      text.push_back(i + k > bytes.size() ? '=' : kDigits[three >> (18 - 6 * k) & 63u]);
+    }
+  }
+  return text;
+}
+
 // The primaries and the white of sRGB, IEC 61966-2-1.
 const Imf::Chromaticities kSrgb{{0.64f, 0.33f}, {0.30f, 0.60f}, {0.15f, 0.06f}, {0.3127f, 0.3290f}};
 constexpr std::array<const char*, 3> kRgb{"R", "G", "B"};
@@ -280,6 +355,7 @@ void write_exr(const std::filesystem::path& path, const TileSums& film, std::uin
   header.insert("nocturne:quantity", Imf::StringAttribute(provenance.quantity));
   header.insert("nocturne:unit", Imf::StringAttribute(provenance.unit));
   header.insert("nocturne:responseUnit", Imf::StringAttribute(provenance.response_unit));
+  header.insert("nocturne:wavelengths", Imf::StringAttribute(provenance.wavelengths));
   header.insert("nocturne:scene", Imf::StringAttribute(provenance.scene_sha256));
   header.insert("nocturne:schedule", Imf::StringAttribute(provenance.plan));
   header.insert("nocturne:engine", Imf::IntAttribute(static_cast<int>(provenance.engine)));
@@ -293,6 +369,12 @@ void write_exr(const std::filesystem::path& path, const TileSums& film, std::uin
   }
   if (!provenance.unmet_parts.empty()) {
     header.insert("nocturne:unmetParts", Imf::StringAttribute(provenance.unmet_parts));
+  }
+  if (!provenance.instruments.empty()) {
+    header.insert("nocturne:instruments", Imf::StringAttribute(provenance.instruments));
+  }
+  if (const std::string bytes = correlations_of_tiles(film, tile_size, samples); !bytes.empty()) {
+    header.insert("nocturne:correlations", Imf::StringAttribute(base64(bytes)));
   }
   if (provenance.truncated_paths > 0) {
     header.insert("nocturne:truncatedPaths",

@@ -25,6 +25,10 @@ struct ImageProvenance {
   /// What a pilot found that the image may not show: a sentence a line; and rectangles in which
   /// light may be missing, "x y width height part" a line.
   std::string warnings = {}, unmet_parts = {};
+  /// Which the scene is about.
+  std::string wavelengths = "360 to 830 nm";
+  /// What the sensor measures where, as JSON.
+  std::string instruments = {};
 };
 
 /// Writes means and errors of a film whose tiles have edges of `tile_size` pixels, over `samples`
@@ -35,9 +39,11 @@ struct ImageProvenance {
 /// of a block's pixels over the sum of their variances, X.tileRatio and so on, that of a
 /// tile over those of its blocks, and XY.blockCorrelation and so on of errors of the joint
 /// sums of a block's pixels; linear sRGB in R, G, B for viewers, unless a response has one of these
-/// names. Another channel is n (uint). Throws std::invalid_argument where names are more or fewer
-/// than the responses or two channels have one name, and another std::exception where the file
-/// can't be written.
+/// names. With further responses the attribute nocturne:correlations has, of each tile of films of
+/// at most kMostCorrelations numbers, how the means of all values go together: as
+/// nocturne_scene/response_correlations.py has it. Another channel is n (uint). Throws
+/// std::invalid_argument where names are more or fewer than the responses or two channels have one
+/// name, and another std::exception where the file can't be written.
 void write_exr(const std::filesystem::path& path, const TileSums& film, std::uint32_t tile_size,
                std::span<const std::string> further_responses, std::uint32_t samples,
                const ImageProvenance& provenance);

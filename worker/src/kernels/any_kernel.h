@@ -17,7 +17,7 @@ namespace nocturne {
 
 using AnyKernel =
     std::variant<Lambertian, DiffuseTransmitter, Conductor, Dielectric, ThinPane, CoatedDiffuse,
-                 Measured, Phong, Principled, NullKernel, Blend, Phase>;
+                 Measured, Phong, Principled, Glazing, NullKernel, Blend, Phase>;
 
 /// Whether f(kernel) holds for the kernel at `index`, or for any part of it where it is a blend.
 template <class F>

@@ -15,6 +15,7 @@
 #include "kernels/conductor.h"
 #include "kernels/dielectric.h"
 #include "kernels/diffuse_transmitter.h"
+#include "kernels/glazing.h"
 #include "kernels/lambertian.h"
 #include "kernels/measured.h"
 #include "kernels/null_kernel.h"
@@ -31,7 +32,7 @@ template <int N>
 using AnyBoundPart =
     std::variant<BoundNullKernel<N>, BoundLambertian<N>, BoundDiffuseTransmitter<N>,
                  BoundConductor<N>, BoundDielectric<N>, BoundThinPane<N>, BoundCoatedDiffuse<N>,
-                 BoundMeasured<N>, BoundPhong<N>, BoundPrincipled<N>>;
+                 BoundMeasured<N>, BoundPhong<N>, BoundPrincipled<N>, BoundGlazing<N>>;
 
 template <int N>
 class BoundBlend {

@@ -2,6 +2,7 @@
 //   BRDF = F(wo.h) D(h) G2(wo, wi) / (4 cos cos)
 // Walter et al. 2007, equation 20; D and G2 as in ggx.h and beckmann.h, F as in fresnel.h. Light
 // that bounces between facets is lost, as in the model's source: at roughness 1 up to two thirds.
+// With layers on it F is that of the film (thin_film.h), at each facet.
 #pragma once
 
 #include <algorithm>
@@ -10,6 +11,7 @@
 #include "kernels/fresnel.h"
 #include "kernels/kernel.h"
 #include "kernels/roughness.h"
+#include "kernels/thin_film.h"
 #include "spectrum/spectrum.h"
 
 namespace nocturne {
@@ -19,6 +21,7 @@ struct BoundConductor {
   /// Relative to the index on the side of the light.
   Spectral<N> n, k;
   BoundRoughness roughness;
+  BoundThinFilm<N> film = {};
 
   /// Of a mirror: more than a rough one sends on, up to the dependence of F on the angle.
   Spectral<N> albedo(Vec3 wo) const { return fresnel(std::min(1.0f, wo.z)); }
@@ -50,6 +53,12 @@ struct BoundConductor {
 
  private:
   Spectral<N> fresnel(float cosine) const {
+    if (film) {
+      Spectral<N> r;
+      for (std::size_t i = 0; i < N; ++i)
+        r[i] = static_cast<float>(film(double{cosine}, i, double{n[i]}, double{k[i]}).reflected);
+      return r;
+    }
     return each([cosine](float a, float b) { return fresnel_conductor(cosine, a, b); }, n, k);
   }
 };
@@ -59,6 +68,7 @@ struct Conductor {
   /// Against vacuum, not negative.
   Spectrum n, k;
   Roughness roughness;
+  ThinFilm film = {};
 
   bool has_delta_lobe() const { return roughness.may_be_smooth(); }
   static constexpr bool may_transmit() { return false; }
@@ -66,7 +76,8 @@ struct Conductor {
   template <int N>
   BoundConductor<N> bind(const Shading<N>& shading) const {
     return {n(shading.wavelengths) / shading.index_from,
-            k(shading.wavelengths) / shading.index_from, roughness(shading.point)};
+            k(shading.wavelengths) / shading.index_from, roughness(shading.point),
+            bound_thin_film(film, shading)};
   }
 };
 

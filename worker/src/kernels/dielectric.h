@@ -5,14 +5,18 @@
 // thesis, Stanford 1997, section 5.2.
 //
 // Each photon reflects with the probability that Fresnel's equations give it, so those of a group
-// part where they decide differently, and where they refract into different directions.
+// part where they decide differently, and where they refract into different directions. Layers on
+// the boundary change that probability (thin_film.h); of what they don't absorb it is then the
+// share, and weights are by so much less.
 #pragma once
 
 #include <algorithm>
+#include <array>
 
 #include "kernels/fresnel.h"
 #include "kernels/kernel.h"
 #include "kernels/roughness.h"
+#include "kernels/thin_film.h"
 
 namespace nocturne {
 
@@ -23,14 +27,19 @@ struct BoundDielectric {
   /// Of transmission.
   Spectral<N> scale;
   BoundRoughness roughness;
+  BoundThinFilm<N> film = {};
 
-  static Spectral<N> albedo(Vec3) { return 1.0f; }
+  Spectral<N> albedo(Vec3 wo) const {
+    if (!film) return 1.0f;
+    return of_each([&](std::size_t i) { return split(wo.z, i).kept; });
+  }
 
   Evaluation<N> evaluate(Vec3 wo, Vec3 wi) const {
     if (roughness.smooth) return Evaluation<N>::nothing();
     const bool reflects = wi.z > 0.0f;
     const float weight = reflects ? roughness.facets.reflection_weight(wo, wi)
                                   : roughness.facets.transmission_weight(wo, wi);
+    if (film) return evaluate_with_film(wo, wi, reflects ? Spectral<N>(weight) : weight * scale);
     const Spectral<N> drawn = pdf(wo, wi), weighed = weight * drawn;
     return {reflects ? weighed : weighed * scale, drawn};
   }
@@ -38,6 +47,7 @@ struct BoundDielectric {
 
   Spectral<N> pdf(Vec3 wo, Vec3 wi) const {
     if (roughness.smooth || wi.z == 0.0f) return 0.0f;
+    if (film) return evaluate_with_film(wo, wi, 0.0f).pdf;
     return each_distinct([&](float n) { return rough_pdf(wo, wi, n); }, ratio);
   }
 
@@ -48,6 +58,7 @@ struct BoundDielectric {
                                                                   return passes(r);
                                                                 })};
     }
+    if (film) return sample_with_film(wo, numbers, lead);
     const Vec3 h =
         delta ? Vec3{0.0f, 0.0f, 1.0f} : roughness.facets.sample_visible(wo, numbers.u, numbers.v);
     const float cosine = std::clamp(dot(wo, h), 0.0f, 1.0f);
@@ -72,6 +83,50 @@ struct BoundDielectric {
   bool transmits() const { return smooth(); }
 
  private:
+  /// Of a wavelength: the probability of being mirrored, and the share that layers don't absorb.
+  struct Split {
+    float mirrors, kept;
+  };
+  Split split(float cosine, std::size_t i) const {
+    const Shares shares = film(static_cast<double>(cosine), i, static_cast<double>(ratio[i]));
+    const double kept = shares.reflected + shares.transmitted;
+    return {kept > 0.0 ? static_cast<float>(shares.reflected / kept) : 1.0f,
+            static_cast<float>(kept)};
+  }
+
+  std::optional<Draw<N>> sample_with_film(Vec3 wo, const KernelNumbers& numbers,
+                                          std::size_t lead) const {
+    const bool delta = roughness.smooth;
+    const Vec3 h =
+        delta ? Vec3{0.0f, 0.0f, 1.0f} : roughness.facets.sample_visible(wo, numbers.u, numbers.v);
+    const float cosine = std::clamp(dot(wo, h), 0.0f, 1.0f);
+    std::array<Split, N> splits;
+    for (std::size_t i = 0; i < N; ++i) splits[i] = split(cosine, i);
+    // Half of the photons are mirrored: all where they are reflected totally.
+    const bool halved = delta && numbers.halves != KernelNumbers::Halves::kNo;
+    const auto probability = [&](std::size_t i) {
+      return halved && splits[i].mirrors < 1.0f ? 0.5f : splits[i].mirrors;
+    };
+    const bool mirrored = numbers.part < probability(lead);
+    std::uint32_t together = 0;
+    for (std::size_t i = 0; i < N; ++i) {
+      const bool same = mirrored == (numbers.part < probability(i)) && !passes(ratio[i]) &&
+                        (mirrored || ratio[i] == ratio[lead]);
+      together |= same ? 1u << i : 0u;
+    }
+    const Vec3 wi = !mirrored ? refracted(wo, h, cosine, ratio[lead])
+                    : delta   ? Vec3{-wo.x, -wo.y, wo.z}
+                              : normalized(reflected(wo, h));
+    if (mirrored ? wi.z <= 0.0f : wi.z >= 0.0f) return Draw<N>::ended(together);
+    if (!delta) return Draw<N>{.wi = wi, .together = together};
+    Spectral<N> factor = of_each([&](std::size_t i) {
+      const float less = mirrored ? splits[i].mirrors : 1.0f - splits[i].mirrors;
+      return splits[i].kept * (probability(i) == splits[i].mirrors ? 1.0f : numbers.halved(less));
+    });
+    if (!mirrored) factor *= scale;
+    return Draw<N>{.wi = wi, .delta = true, .factor = factor, .together = together};
+  }
+
   /// Smooth, half of the photons mirrored; all where they are reflected totally.
   std::optional<Draw<N>> half(Vec3 wo, float cosine, const KernelNumbers& numbers,
                               std::size_t lead) const {
@@ -96,10 +151,18 @@ struct BoundDielectric {
     return Draw<N>{.wi = wi, .delta = true, .factor = less * scale, .together = together};
   }
 
-  /// Equal indices: no boundary. Of a rough one also where the indices are so close that single
-  /// precision can't tell the facet from the two directions (less than 1e-10 is reflected there).
+  /// Equal indices: no boundary, unless a film is between them. Of a rough one also where the
+  /// indices are so close that single precision can't tell the facet from the two directions (less
+  /// than 1e-10 is reflected there, without a film).
   bool passes(float r) const {
-    return r == 1.0f || (!roughness.smooth && std::fabs(r - 1.0f) < 2e-5f);
+    return (r == 1.0f && !film) || (!roughness.smooth && std::fabs(r - 1.0f) < 2e-5f);
+  }
+
+  template <class F>
+  static Spectral<N> of_each(const F& f) {
+    Spectral<N> r;
+    for (std::size_t i = 0; i < N; ++i) r[i] = f(i);
+    return r;
   }
 
   template <class Condition>
@@ -121,14 +184,57 @@ struct BoundDielectric {
 
   float rough_pdf(Vec3 wo, Vec3 wi, float r) const {
     if (passes(r)) return 0.0f;
-    const Facets& facets = roughness.facets;
     if (wi.z > 0.0f) {
       const Vec3 h = half_vector(wo, wi);
-      return reflectance(std::clamp(dot(wo, h), 0.0f, 1.0f), r) * facets.reflection_pdf(wo, h);
+      return reflectance(std::clamp(dot(wo, h), 0.0f, 1.0f), r) *
+             roughness.facets.reflection_pdf(wo, h);
     }
+    const Refraction by = refraction(wo, wi, r);
+    if (by.visible == 0.0) return 0.0f;
+    return static_cast<float>((1.0 - fresnel_dielectric(by.thinner, by.ratio)) * by.visible *
+                              by.jacobian);
+  }
+
+  Evaluation<N> evaluate_with_film(Vec3 wo, Vec3 wi, const Spectral<N>& weight) const {
+    auto found = Evaluation<N>::nothing();
+    for (std::size_t i = 0; i < N; ++i) {
+      const float r = ratio[i];
+      if (passes(r)) continue;
+      Split at{};
+      if (wi.z > 0.0f) {
+        const Vec3 h = half_vector(wo, wi);
+        at = split(std::clamp(dot(wo, h), 0.0f, 1.0f), i);
+        found.pdf[i] = at.mirrors * roughness.facets.reflection_pdf(wo, h);
+      } else {
+        const Refraction by = refraction(wo, wi, r);
+        if (by.visible == 0.0) continue;
+        at = split(by.here(r), i);
+        const double passing = 1.0 - static_cast<double>(at.mirrors);
+        found.pdf[i] = static_cast<float>(passing * by.visible * by.jacobian);
+      }
+      found.value[i] = weight[i] * at.kept * found.pdf[i];
+    }
+    return found;
+  }
+
+  /// By the facet that refracts wo into wi: how much of it is seen from wo, and the density of wi
+  /// for that of the facet. `thinner` is its cosine on the thinner side, `ratio` the index beyond
+  /// over that of the thinner side.
+  struct Refraction {
+    double visible = 0.0, jacobian = 0.0, thinner = 0.0, ratio = 1.0;
+
+    /// The cosine on the side of the light, `r` being the index beyond over that here.
+    float here(float r) const {
+      if (r > 1.0f) return static_cast<float>(thinner);
+      return static_cast<float>(std::sqrt((ratio - 1.0) * (ratio + 1.0) + thinner * thinner) /
+                                ratio);
+    }
+  };
+
+  Refraction refraction(Vec3 wo, Vec3 wi, float r) const {
     const Vec3 h = half_vector(wo, wi, r);
     const float o = dot(wo, h), i = dot(wi, h);
-    if (!(o > 0.0f && i < 0.0f)) return 0.0f;
+    if (!(o > 0.0f && i < 0.0f)) return {};
     // Walter's equation 17, r^2 |wi.h| / (wo.h + r wi.h)^2, without the difference: with the cosine
     // c on the thinner side and the index ratio n > 1, the other side's is g / n, g^2 = n^2 - 1 +
     // c^2, and both factors are sums. From the denser side g would itself be a difference.
@@ -138,8 +244,7 @@ struct BoundDielectric {
     const double contrast = (n - 1.0) * (n + 1.0), g = std::sqrt(contrast + c * c);
     const double root = (g + c) / contrast;
     const double jacobian = (from_thinner ? n * g : c) * root * root;
-    return static_cast<float>((1.0 - fresnel_dielectric(c, n)) *
-                              static_cast<double>(facets.visible(wo, h)) * jacobian);
+    return {static_cast<double>(roughness.facets.visible(wo, h)), jacobian, c, n};
   }
 };
 static_assert(BoundKernel<BoundDielectric<1>, 1> && BoundKernel<BoundDielectric<4>, 4>);
@@ -147,6 +252,8 @@ static_assert(BoundKernel<BoundDielectric<1>, 1> && BoundKernel<BoundDielectric<
 /// The indices of refraction come with the shading: a photon knows its medium.
 struct Dielectric {
   Roughness roughness;
+  /// In the order in which light meets the layers.
+  ThinFilm film = {};
 
   bool has_delta_lobe() const { return roughness.may_be_smooth(); }
   static constexpr bool may_transmit() { return true; }
@@ -156,7 +263,7 @@ struct Dielectric {
     const Spectral<N> inverse = shading.index_from / shading.index_to;
     return {shading.index_to / shading.index_from,
             shading.transport == Transport::kAdjoint ? inverse * inverse : Spectral<N>(1.0f),
-            roughness(shading.point)};
+            roughness(shading.point), bound_thin_film(film, shading)};
   }
 };
 

@@ -25,11 +25,19 @@ class KernelLoader {
         return DiffuseTransmitter(colour(message.diffuse_transmitter().reflectance()),
                                   colour(message.diffuse_transmitter().transmittance()));
       case v1::Kernel::kConductor:
-        return Conductor{context_.spectrum(message.conductor().n()),
-                         context_.spectrum(message.conductor().k()),
-                         roughness(message.conductor().roughness())};
+        return conductor(message.conductor());
+      case v1::Kernel::kCoatedConductor: {
+        Conductor coated = conductor(message.coated_conductor().conductor());
+        coated.film = film(message.coated_conductor().layers());
+        return coated;
+      }
       case v1::Kernel::kDielectric:
         return Dielectric{roughness(message.dielectric().roughness())};
+      case v1::Kernel::kCoatedDielectric:
+        return Dielectric{roughness(message.coated_dielectric().dielectric().roughness()),
+                          film(message.coated_dielectric().layers())};
+      case v1::Kernel::kGlazing:
+        return glazing(message.glazing());
       case v1::Kernel::kThinPane:
         return ThinPane(context_.spectrum(message.thin_pane().index()),
                         context_.spectrum(message.thin_pane().transmittance()));
@@ -63,6 +71,64 @@ class KernelLoader {
     return {load_scalar(context_, message.alpha_u(), 0.0, 1.0),
             load_scalar(context_, message.alpha_v(), 0.0, 1.0),
             message.beckmann() ? FacetDistribution::kBeckmann : FacetDistribution::kGgx};
+  }
+
+  Conductor conductor(const v1::Conductor& message) const {
+    return {context_.spectrum(message.n()), context_.spectrum(message.k()),
+            roughness(message.roughness())};
+  }
+
+  template <class Layers>
+  ThinFilm film(const Layers& layers) const {
+    // The phase of a wave in a layer stays where sines are known.
+    constexpr double kMaxThickness = 1e5;
+    constexpr float kMaxIndex = 100.0f;
+    std::vector<ThinFilm::Layer> loaded;
+    for (const v1::FilmLayer& layer : layers) {
+      const double thickness = layer.thickness_nm();
+      require(thickness > 0.0 && thickness <= kMaxThickness, "a film's thickness outside (0, 1e5]");
+      const Spectrum &n = context_.spectrum(layer.n()), &k = context_.spectrum(layer.k());
+      require(n.most() <= kMaxIndex && k.most() <= kMaxIndex, "a film's index above 100");
+      require(n.least() > 0.0f || k.least() > 0.0f, "a film whose index is 0");
+      loaded.push_back({n, k, thickness});
+    }
+    return ThinFilm(std::move(loaded));
+  }
+
+  Glazing glazing(const v1::Glazing& message) const {
+    constexpr int kMaxPanes = 8;
+    require(message.panes_size() >= 1 && message.panes_size() <= kMaxPanes,
+            "a glazing of no pane, or of more than 8");
+    std::vector<Pane> panes;
+    for (const auto& each : message.panes()) panes.push_back(pane(each, message.from_back()));
+    if (message.from_back()) std::ranges::reverse(panes);
+    return Glazing(std::move(panes));
+  }
+
+  Pane pane(const v1::Glazing::Pane& message, bool from_back) const {
+    switch (message.kind_case()) {
+      case v1::Glazing::Pane::kSheet: {
+        const auto& sheet = message.sheet();
+        ThinFilm front = film(sheet.front()), back = film(sheet.back());
+        if (from_back) std::swap(front, back);
+        return SheetPane{context_.spectrum(sheet.index()), context_.spectrum(sheet.transmittance()),
+                         std::move(front), std::move(back)};
+      }
+      case v1::Glazing::Pane::kFilm: {
+        const ThinFilm layers = film(message.film().layers());
+        return FilmPane{from_back ? layers.reversed() : layers};
+      }
+      case v1::Glazing::Pane::kMeasured: {
+        const auto& measured = message.measured();
+        const Spectrum &front = context_.spectrum(measured.front()),
+                       &back = context_.spectrum(measured.back());
+        return MeasuredPane{from_back ? back : front, from_back ? front : back,
+                            context_.spectrum(measured.transmittance())};
+      }
+      case v1::Glazing::Pane::KIND_NOT_SET:
+        break;
+    }
+    refuse("a pane that this program doesn't know");
   }
 
   Principled principled(const v1::Principled& message) const {
@@ -133,6 +199,10 @@ class SpecularLike {
     switch (kernel.model_case()) {
       case v1::Kernel::kConductor:
         return narrow(kernel.conductor().roughness());
+      case v1::Kernel::kCoatedConductor:
+        return narrow(kernel.coated_conductor().conductor().roughness());
+      case v1::Kernel::kCoatedDielectric:
+        return narrow(kernel.coated_dielectric().dielectric().roughness());
       case v1::Kernel::kDielectric:
         return narrow(kernel.dielectric().roughness());
       case v1::Kernel::kMeasured:
@@ -236,6 +306,10 @@ bool needs_detail(const v1::CompiledScene& message, std::uint32_t index) {
              varies(kernel.diffuse_transmitter().transmittance());
     case v1::Kernel::kConductor:
       return anisotropic(kernel.conductor().roughness());
+    case v1::Kernel::kCoatedConductor:
+      return anisotropic(kernel.coated_conductor().conductor().roughness());
+    case v1::Kernel::kCoatedDielectric:
+      return anisotropic(kernel.coated_dielectric().dielectric().roughness());
     case v1::Kernel::kDielectric:
       return anisotropic(kernel.dielectric().roughness());
     case v1::Kernel::kCoatedDiffuse:

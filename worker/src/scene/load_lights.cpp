@@ -171,7 +171,7 @@ EnvironmentMap load_map(const LoadContext& context, const v1::EnvironmentMap& me
 std::uint32_t load_light_group(const LoadContext& context, std::uint32_t number) {
   std::uint32_t groups = 0;
   for (const auto& response : context.message.sensor().further_responses()) {
-    for (const std::uint32_t group : response.light_groups()) groups = std::max(groups, group + 1);
+    if (response.has_light_group()) groups = std::max(groups, response.light_group() + 1);
   }
   require(groups == 0 || number < groups, "a light group that no response counts");
   return number;

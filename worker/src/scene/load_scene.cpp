@@ -20,7 +20,9 @@ namespace nocturne {
 namespace {
 
 /// Of scenes whose responses count parts of the light, which programs before it would not see.
-constexpr std::uint32_t kFormat = 3, kFormatWithLightGroups = 7;
+constexpr std::uint32_t kFormat = 3, kFormatWithLightGroups = 8;
+// nm, where a scene's wavelengths may lie.
+constexpr double kShortest = 200.0, kLongest = 2500.0;
 // Of one spectrum, so that a scene's size says how much work it makes.
 constexpr int kMaxLines = 10'000;
 
@@ -51,6 +53,18 @@ Spectrum load_spectrum(const v1::Spectrum& message) {
   return {load_table(message), load_lines(message)};
 }
 
+// What the sensor sees are the wavelengths of its responses.
+void set_seen(const v1::Sensor& s, std::vector<Spectrum>& spectra) {
+  const double first = finite(s.response_first_nm(), "a wavelength");
+  const double step = finite(s.response_step_nm(), "a wavelength step");
+  const double last = first + step * (s.response_y_size() - 1);
+  require(kShortest <= first && first < last && last <= kLongest,
+          "wavelengths beyond 200 to 2500 nm");
+  for (Spectrum& spectrum : spectra) {
+    spectrum.set_seen(static_cast<float>(first), static_cast<float>(last));
+  }
+}
+
 LoadContext make_context(const v1::CompiledScene& message, const FindBlob& find_blob,
                          std::stop_token stop) {
   if (message.format() < kFormat || message.format() > kFormatWithLightGroups) {
@@ -59,6 +73,8 @@ LoadContext make_context(const v1::CompiledScene& message, const FindBlob& find_
   }
   LoadContext context{message, find_blob, stop, {}, {}, {}};
   for (const auto& s : message.spectra()) context.spectra.push_back(load_spectrum(s));
+  // Of other scenes they are 360 to 830 nm.
+  if (message.format() >= kFormatWithRange) set_seen(message.sensor(), context.spectra);
   context.textures = load_textures(message, find_blob);
   if (message.has_rgb_table()) context.rgb_spectra = load_rgb_table(message.rgb_table(), find_blob);
   return context;

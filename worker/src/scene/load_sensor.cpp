@@ -8,9 +8,10 @@ namespace nocturne {
 namespace {
 
 // Partials would be too large to hand over.
-constexpr int kMaxFurtherResponses = 560;
+constexpr int kMaxFurtherResponses = 60;
 // More than responses could tell apart.
-constexpr std::uint32_t kMaxLightGroups = 1024;
+constexpr std::uint32_t kMaxLightGroups = 64;
+constexpr int kMaxMeters = 1 << 20;
 // Three for each of many lines.
 constexpr int kMaxKnots = 100'000;
 
@@ -34,6 +35,42 @@ SensorModel perspective(const v1::Sensor& s) {
                   finite(s.focus_distance(), "the focus distance"));
 }
 
+MeterBody body(v1::MeterBody body) {
+  switch (body) {
+    case v1::METER_BODY_PLANE:
+      return MeterBody::kPlane;
+    case v1::METER_BODY_CYLINDER:
+      return MeterBody::kCylinder;
+    case v1::METER_BODY_HALF_CYLINDER:
+      return MeterBody::kHalfCylinder;
+    case v1::METER_BODY_HALF_SPHERE:
+      return MeterBody::kHalfSphere;
+    case v1::METER_BODY_SPHERE:
+      return MeterBody::kSphere;
+    default:
+      refuse("a meter's body that this program doesn't know");
+  }
+}
+
+Vec3 unit_vector(const v1::Vector& v, const char* what) {
+  const Vec3 found = vector(v, what);
+  require(std::fabs(length(found) - 1.0f) < 1e-3f, "a meter's direction that has not length 1");
+  return normalized(found);
+}
+
+Meters meters(const v1::Sensor& s) {
+  require(s.meters_size() <= kMaxMeters, "too many meters");
+  std::vector<Meter> meters;
+  for (const auto& m : s.meters()) {
+    const float factor = m.factor() == 0.0 ? 1.0f : finite(m.factor(), "a meter's factor");
+    require(factor > 0.0f, "a meter's factor that is not above 0");
+    meters.push_back({vector(m.place(), "a meter's place"),
+                      unit_vector(m.normal(), "a meter's normal"),
+                      unit_vector(m.facing(), "what a meter faces"), body(m.body()), factor});
+  }
+  return Meters(std::move(meters));
+}
+
 SensorModel model(const v1::Sensor& s) {
   switch (s.model()) {
     case v1::SENSOR_MODEL_PERSPECTIVE:
@@ -49,6 +86,8 @@ SensorModel model(const v1::Sensor& s) {
                            finite(s.acceptance(), "the meter's acceptance"));
     case v1::SENSOR_MODEL_INTENSITY:
       return IntensityMeter(finite(s.lamp_radius(), "the lamp's radius"));
+    case v1::SENSOR_MODEL_METERS:
+      return meters(s);
     default:
       refuse("a sensor that this program doesn't know");
   }
@@ -95,13 +134,11 @@ LightPart light_part(v1::LightPart part) {
 }
 
 CountedLight counted_light(const v1::Response& response) {
-  const auto& groups = response.light_groups();
-  require(groups.empty() || response.light() == v1::LIGHT_PART_WHOLE,
-          "a response to a part of the light of light groups");
-  for (const std::uint32_t group : groups) {
-    require(group < kMaxLightGroups, "a light group of too large a number");
-  }
-  return {light_part(response.light()), {groups.begin(), groups.end()}};
+  if (!response.has_light_group()) return {light_part(response.light())};
+  require(response.light() == v1::LIGHT_PART_WHOLE,
+          "a response to a part of the light of a light group");
+  require(response.light_group() < kMaxLightGroups, "a light group of too large a number");
+  return {LightPart::kWhole, response.light_group()};
 }
 
 }  // namespace
@@ -110,7 +147,7 @@ WavelengthSampler load_wavelengths(const v1::Sensor& s) {
   require(s.wavelength_sampling() == v1::WAVELENGTH_SAMPLING_RESPONSE ||
               s.wavelength_sampling() == v1::WAVELENGTH_SAMPLING_UNIFORM,
           "a wavelength sampling that this program doesn't know");
-  require(s.further_responses_size() <= kMaxFurtherResponses, "more than 560 further responses");
+  require(s.further_responses_size() <= kMaxFurtherResponses, "more than 60 further responses");
   ResponseCurves curves{finite(s.response_first_nm(), "a wavelength"),
                         finite(s.response_step_nm(), "a wavelength step"),
                         curve(s.response_x()),

@@ -8,6 +8,7 @@
 
 #include "sensors/film.h"
 #include "sensors/intensity_meter.h"
+#include "sensors/meters.h"
 #include "sensors/orthographic.h"
 #include "sensors/panorama.h"
 #include "sensors/perspective.h"
@@ -19,8 +20,8 @@
 namespace nocturne {
 
 /// Each model's kNeedsLens says whether sample looks at the lens numbers.
-using SensorModel =
-    std::variant<Pinhole, ThinLens, Orthographic, Panorama, Plane, RadianceMeter, IntensityMeter>;
+using SensorModel = std::variant<Pinhole, ThinLens, Orthographic, Panorama, Plane, RadianceMeter,
+                                 IntensityMeter, Meters>;
 
 class Sensor {
  public:
@@ -40,6 +41,21 @@ class Sensor {
     const Pinhole* pinhole = std::get_if<Pinhole>(&model_);
     if (pinhole != nullptr && !moves()) return pinhole->sample(motion_.start(), film, x, y, 0, 0);
     return sample_any(film, x, y, lens_u, lens_v, time);
+  }
+
+  /// At a point of a pixel, uniform in [0, 1)^2. Of meters that point is a number alone, and is
+  /// kept whole.
+  SensorSample sample_in(Film film, std::uint32_t x, std::uint32_t y, float u, float v,
+                         float lens_u, float lens_v, float time) const {
+    if (const Meters* meters = std::get_if<Meters>(&model_)) {
+      return meters->sample_meter(motion_.at(time), y * film.width + x, u, v, lens_u, lens_v);
+    }
+    return sample(film, static_cast<float>(x) + u, static_cast<float>(y) + v, lens_u, lens_v, time);
+  }
+
+  /// Whether photons that start from it aim at light: its samples tell a normal.
+  bool aims() const {
+    return std::holds_alternative<Plane>(model_) || std::holds_alternative<Meters>(model_);
   }
 
   /// Whether forward photons are counted in flight, and where they leave the scene. Both are

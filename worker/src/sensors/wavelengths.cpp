@@ -106,8 +106,8 @@ WavelengthSampler::WavelengthSampler(const ResponseCurves& curves, const Density
   for (std::size_t i = 0; i < further_.size(); ++i) {
     counted_.push_back(curves.light(i));
     tells_parts_ = tells_parts_ || counted_.back().part != LightPart::kWhole;
-    for (const std::uint32_t group : counted_.back().groups) {
-      light_groups_ = std::max(light_groups_, group + 1);
+    if (const auto group = counted_.back().group) {
+      light_groups_ = std::max(light_groups_, *group + 1);
     }
   }
 }

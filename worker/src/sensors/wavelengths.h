@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "sensors/wavelength_density.h"
@@ -14,13 +16,12 @@ namespace nocturne {
 /// Which light a further curve counts; see LightPart in scene.proto.
 enum class LightPart { kWhole, kDirect, kIndirect };
 
-/// All light, or a part of it: direct or indirect, or that of some light groups.
+/// All light, or a part of it: direct or indirect, or that of a light group.
 struct CountedLight {
   LightPart part = LightPart::kWhole;
-  /// Empty: all.
-  std::vector<std::uint32_t> groups = {};
+  std::optional<std::uint32_t> group = std::nullopt;
 
-  bool all() const { return part == LightPart::kWhole && groups.empty(); }
+  bool all() const { return part == LightPart::kWhole && !group; }
 };
 
 /// Sampled response curves on one equally spaced grid, linear in between; per nm, K_m included.

@@ -59,9 +59,16 @@ class Spectrum {
     return (table_integral(first, last) + lines_.integral(first, last)) / (last - first);
   }
 
-  /// Over the wavelengths that sensors see (those of the CIE's observers): for choices that may not
-  /// depend on a photon's wavelength.
-  float mean() const { return static_cast<float>(mean_between(360.0, 830.0)); }
+  /// Which wavelengths the scene's sensor sees, nm, first < last; without, those of the CIE's
+  /// observers.
+  void set_seen(float first_nm, float last_nm) {
+    seen_first_ = first_nm;
+    seen_last_ = last_nm;
+  }
+
+  /// Over the wavelengths that the sensor sees: for choices that may not depend on a photon's
+  /// wavelength.
+  float mean() const { return static_cast<float>(mean_between(seen_first_, seen_last_)); }
 
  private:
   float in_table(float wavelength_nm) const { return in_table(Spectral<1>(wavelength_nm))[0]; }
@@ -114,6 +121,7 @@ class Spectrum {
   float last_ = 1.0f;
   bool zero_outside_ = false;
   bool has_lines_ = false;
+  float seen_first_ = 360.0f, seen_last_ = 830.0f;
   std::vector<float> values_;
   Lines lines_;
 };

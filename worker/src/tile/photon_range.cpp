@@ -34,11 +34,11 @@ void for_each_kind(Sums& sums, const F& f) {
   for (std::size_t c = 0; c < sums.channels; ++c) {
     f(std::span(sums.sums).subspan(c), sums.channels, kept_of(c, sums));
   }
-  for (auto* products : {&sums.block_products, &sums.tile_products}) {
-    for (std::size_t c = 0; c < kProducts; ++c) {
-      f(std::span(*products).subspan(c), kProducts, kUpperHalf);
-    }
-  }
+  const auto of_products = [&](auto& products, std::size_t kinds) {
+    for (std::size_t c = 0; c < kinds; ++c) f(std::span(products).subspan(c), kinds, kUpperHalf);
+  };
+  of_products(sums.block_products, kProducts);
+  of_products(sums.tile_products, sums.products_of_tile());
 }
 
 std::string compressed(const std::string& bytes) {
@@ -53,7 +53,6 @@ std::string compressed(const std::string& bytes) {
 }
 
 constexpr std::size_t kXyz = TileSums::kXyzValues;
-using Xyz = std::array<double, kXyz>;
 
 /// What adds up independent numbers; n samples of the film, and N photons whose sums count `scale`
 /// times.
@@ -72,6 +71,17 @@ struct Independent {
     return whole + of_film + (samples - 1.0) / samples * (scale * scale) * of_photons;
   }
 
+  /// Products of further responses with what comes before them and with themselves, in place.
+  void further_products(const double* film_values, const double* photon_values, std::size_t values,
+                        const double* photon, double* film) const {
+    for (std::size_t a = TileSums::kXyzValues; a < values; ++a) {
+      for (std::size_t b = 0; b <= a; ++b, ++photon, ++film) {
+        *film = product(*film, film_values[a], film_values[b], *photon, photon_values[a],
+                        photon_values[b]);
+      }
+    }
+  }
+
   /// Six products of X, Y, Z, in place.
   void products(const double* film_xyz, const double* photon_xyz, const double* photon,
                 double* film) const {
@@ -84,29 +94,34 @@ struct Independent {
   }
 };
 
-/// Sums of X, Y, Z over the pixels of blocks, row by row.
-std::vector<Xyz> block_values(const TileSums& film) {
-  std::vector<Xyz> blocks(film.block_products.size() / kProducts);
+/// Sums of X, Y, Z and of further responses over the pixels of blocks, row by row.
+std::vector<double> block_values(const TileSums& film) {
+  std::vector<double> blocks(film.block_products.size() / kProducts * film.values());
   for (std::uint32_t y = 0; y < film.height; ++y) {
     for (std::uint32_t x = 0; x < film.width; ++x) {
-      Xyz& block =
-          blocks[std::size_t{y / TileSums::kBlock} * film.block_columns() + x / TileSums::kBlock];
+      double* const block =
+          &blocks[film.values() * (std::size_t{y / TileSums::kBlock} * film.block_columns() +
+                                   x / TileSums::kBlock)];
       const double* pixel = &film.sums[film.channels * (std::size_t{y} * film.width + x)];
       for (std::size_t c = 0; c < kXyz; ++c) block[c] += pixel[c];
+      for (std::size_t c = 0; c < film.further; ++c) {
+        block[kXyz + c] += pixel[TileSums::kXyzSums + c];
+      }
     }
   }
   return blocks;
 }
 
 /// Sums of blocks over tiles.
-std::vector<Xyz> tile_values(const TileSums& film, const std::vector<Xyz>& blocks,
-                             std::uint32_t tile_size) {
+std::vector<double> tile_values(const TileSums& film, const std::vector<double>& blocks,
+                                std::uint32_t tile_size) {
   const std::uint32_t edge = tile_size / TileSums::kBlock, columns = film.block_columns();
   const std::uint32_t tile_columns = (columns + edge - 1) / edge;
-  std::vector<Xyz> tiles(film.tile_products.size() / kProducts);
-  for (std::size_t i = 0; i < blocks.size(); ++i) {
-    Xyz& tile = tiles[i / columns / edge * tile_columns + i % columns / edge];
-    for (std::size_t c = 0; c < kXyz; ++c) tile[c] += blocks[i][c];
+  const std::size_t values = film.values();
+  std::vector<double> tiles(film.tile_products.size() / film.products_of_tile() * values);
+  for (std::size_t i = 0; i < blocks.size() / values; ++i) {
+    double* const tile = &tiles[values * (i / columns / edge * tile_columns + i % columns / edge)];
+    for (std::size_t c = 0; c < values; ++c) tile[c] += blocks[i * values + c];
   }
   return tiles;
 }
@@ -154,13 +169,19 @@ void add_photons(const TileSums& photons, std::uint32_t bundles, std::uint32_t s
   const auto film_blocks = block_values(film), photon_blocks = block_values(photons);
   const auto film_tiles = tile_values(film, film_blocks, tile_size);
   const auto photon_tiles = tile_values(film, photon_blocks, tile_size);
-  for (std::size_t i = 0; i < film_blocks.size(); ++i) {
-    both.products(film_blocks[i].data(), photon_blocks[i].data(),
+  const std::size_t values = film.values(), of_tile = film.products_of_tile();
+  for (std::size_t i = 0; i < film_blocks.size() / values; ++i) {
+    both.products(&film_blocks[i * values], &photon_blocks[i * values],
                   &photons.block_products[i * kProducts], &film.block_products[i * kProducts]);
   }
-  for (std::size_t i = 0; i < film_tiles.size(); ++i) {
-    both.products(film_tiles[i].data(), photon_tiles[i].data(),
-                  &photons.tile_products[i * kProducts], &film.tile_products[i * kProducts]);
+  for (std::size_t i = 0; i < film_tiles.size() / values; ++i) {
+    const double *const ours = &film_tiles[i * values], *const theirs = &photon_tiles[i * values];
+    both.products(ours, theirs, &photons.tile_products[i * of_tile],
+                  &film.tile_products[i * of_tile]);
+    if (film.further > 0) {
+      both.further_products(ours, theirs, values, &photons.tile_products[i * of_tile + kProducts],
+                            &film.tile_products[i * of_tile + kProducts]);
+    }
   }
   for (std::size_t i = 0; i < film.sums.size(); i += film.channels) {
     add_pixel(both, &photons.sums[i], film.further, &film.sums[i]);

@@ -35,7 +35,9 @@ struct TileSums {
   /// Over samples, the kProducts of what each block's pixels together have, row by row: from them
   /// come errors of regions, also where pixels are not independent.
   std::vector<double> block_products;
-  /// The same of the whole tile; of a film's tiles, row by row.
+  /// The same of the whole tile; of a film's tiles, row by row. With further responses there
+  /// follow, for each of them, its products with X, Y, Z, with those before it and with itself:
+  /// from them come errors of what is made of many responses, such as colour rendering.
   std::vector<double> tile_products;
   std::uint64_t photons = 0;
   std::uint64_t rays = 0;
@@ -51,8 +53,10 @@ struct TileSums {
         channels(kXyzSums + 2 * further),
         sums(channels * w * h),
         block_products(kProducts * block_columns() * blocks_in(h)),
-        tile_products(kProducts * tiles) {}
+        tile_products(products_of_tile() * tiles) {}
 
+  /// Numbers in `tile_products` for each tile.
+  std::size_t products_of_tile() const { return kProducts + further * (further + 7) / 2; }
   static std::uint32_t blocks_in(std::uint32_t pixels) { return (pixels + kBlock - 1) / kBlock; }
   std::uint32_t block_columns() const { return blocks_in(width); }
   /// Of a sample: X, Y, Z, further responses.
@@ -89,6 +93,18 @@ struct TileSums {
 inline std::array<double, TileSums::kProducts> products_of(const double* xyz) {
   const double x = xyz[0], y = xyz[1], z = xyz[2];
   return {y * y, x * x, z * z, x * y, x * z, y * z};
+}
+
+/// Adds products of further responses to those of a tile, in the order that TileSums has; `values`:
+/// X, Y, Z, further responses.
+inline void add_further_products(const double* values, std::size_t further, double* products) {
+  for (std::size_t a = TileSums::kXyzValues; a < TileSums::kXyzValues + further; ++a) {
+    // Most photons bring light to one or two bands.
+    if (values[a] != 0.0) {
+      for (std::size_t b = 0; b <= a; ++b) products[b] += values[a] * values[b];
+    }
+    products += a + 1;
+  }
 }
 
 /// One sample's values into a pixel's sums, in the order that TileSums has.

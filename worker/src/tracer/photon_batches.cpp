@@ -1,7 +1,5 @@
 #include "tracer/photon_batches.h"
 
-#include <algorithm>
-
 #include "scene/sensor_extents.h"
 #include "tracer/estimators/arrival_estimator.h"
 #include "tracer/estimators/camera_estimator.h"
@@ -50,9 +48,7 @@ template <int N, class Estimator, bool Media>
 std::uint32_t PhotonBatches<N, Estimator, Media>::add(const Splat<N>& splat, double* values) const {
   const Response<N> response(scene_.wavelengths, wavelengths_[splat.sample]);
   const auto part_of = [&](const CountedLight& light) {
-    const bool counts = light.groups.empty() ? splat.direct
-                                             : std::ranges::find(light.groups, splat.light_group) !=
-                                                   light.groups.end();
+    const bool counts = light.group ? *light.group == splat.light_group : splat.direct;
     return counts ? splat.value : Spectral<N>(0.0f);
   };
   return response.add(splat.value, part_of, scale_, values);

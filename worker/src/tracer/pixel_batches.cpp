@@ -95,7 +95,7 @@ PixelSequence& PixelBatches<N, Media>::sequence_of(std::uint32_t pixel) {
   pixels_.push_back(pixel);
   const std::uint32_t before = sets_of_pixel(scene_);
   const bool on_its_way = (pixel & (kOfBlock | kInPlaceOfOwn)) == kOfBlock;
-  const bool lights_film = scene_.sensor.splats_segments();
+  const bool lights_film = scene_.sensor.aims();
   const JointSets joint =
       on_its_way ? joint_sets_of_block(before) : joint_sets_of_pixel(before, lights_film);
   return sequences_.emplace_back(scene_.options.sequence, scene_.options.seed, pixel, joint);

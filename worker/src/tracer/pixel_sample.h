@@ -33,8 +33,8 @@ inline void skip_pixel_numbers(const Scene& scene, PhotonSequence& sequence) {
 template <int N>
 PixelSample<N> sample_pixel(const Scene& scene, Film film, std::uint32_t x, std::uint32_t y,
                             const PixelNumbers& u, const WavelengthSamples<N>& wavelengths) {
-  const SensorSample from = scene.sensor.sample(
-      film, static_cast<float>(x) + u.x, static_cast<float>(y) + u.y, u.lens_u, u.lens_v, u.time);
+  const SensorSample from =
+      scene.sensor.sample_in(film, x, y, u.x, u.y, u.lens_u, u.lens_v, u.time);
   PixelSample<N> sample{wavelengths, from.weight, {}};
   sample.start.ray = from.ray;
   sample.start.wavelengths = sample.wavelengths.nm;

@@ -162,8 +162,9 @@ void add_tile(const TileSums& tile, const TileRange& where, std::size_t index, T
   add_rows(tile.block_products, kProducts * tile.block_columns(), film.block_products,
            kProducts * columns,
            kProducts * (where.y / TileSums::kBlock * columns + where.x / TileSums::kBlock));
-  for (std::size_t i = 0; i < kProducts; ++i) {
-    film.tile_products[kProducts * index + i] += tile.tile_products[i];
+  const std::size_t of_tile = film.products_of_tile();
+  for (std::size_t i = 0; i < of_tile; ++i) {
+    film.tile_products[of_tile * index + i] += tile.tile_products[i];
   }
   film.add_counts(tile);
 }

@@ -26,7 +26,8 @@ class PhotonsOnFilm {
         photons_(scene, film, stop),
         sums_(film.width, film.height, scene.wavelengths.further_curves(),
               std::size_t{tile_columns_} * ((film.height + tile_size - 1) / tile_size)),
-        of_pixel_(sums_.values()) {}
+        of_pixel_(sums_.values()),
+        of_tile_(sums_.values()) {}
 
   TileSums trace(std::uint64_t first, std::uint64_t end) {
     for (std::uint64_t photon = first; photon < end; photon += batch_size_) {
@@ -70,31 +71,34 @@ class PhotonsOnFilm {
       sums_.invalid_samples += photons_.add(photons_.splats()[at.splat], of_pixel_.data());
       if (next != nullptr && next->pixel == at.pixel) continue;
       for (std::size_t c = 0; c < of_block_.size(); ++c) of_block_[c] += of_pixel_[c];
+      for (std::size_t c = of_block_.size(); c < of_pixel_.size(); ++c) of_tile_[c] += of_pixel_[c];
       add_sample(of_pixel_.data(), sums_.further, &sums_.sums[at.pixel * sums_.channels]);
       std::ranges::fill(of_pixel_, 0.0);
       if (next != nullptr && next->block == at.block) continue;
-      for (std::size_t c = 0; c < of_tile_.size(); ++c) of_tile_[c] += of_block_[c];
-      add_products(of_block_, sums_.block_products, at.block);
+      for (std::size_t c = 0; c < of_block_.size(); ++c) of_tile_[c] += of_block_[c];
+      add_products(of_block_.data(), &sums_.block_products[at.block * TileSums::kProducts]);
+      of_block_.fill(0.0);
       if (next != nullptr && next->tile == at.tile) continue;
-      add_products(of_tile_, sums_.tile_products, at.tile);
+      double* const of_tile = &sums_.tile_products[at.tile * sums_.products_of_tile()];
+      add_products(of_tile_.data(), of_tile);
+      add_further_products(of_tile_.data(), sums_.further, of_tile + TileSums::kProducts);
+      std::ranges::fill(of_tile_, 0.0);
     }
   }
 
   using Xyz = std::array<double, TileSums::kXyzValues>;
 
-  static void add_products(Xyz& values, std::vector<double>& sums, std::size_t index) {
-    const auto products = products_of(values.data());
-    for (std::size_t i = 0; i < products.size(); ++i)
-      sums[index * products.size() + i] += products[i];
-    values.fill(0.0);
+  static void add_products(const double* xyz, double* sums) {
+    const auto products = products_of(xyz);
+    for (std::size_t i = 0; i < products.size(); ++i) sums[i] += products[i];
   }
 
   const std::uint32_t tile_blocks_, tile_columns_, batch_size_;
   PhotonBatches<N, Estimator, Media> photons_;
   TileSums sums_;
   std::vector<Fallen> fallen_;
-  std::vector<double> of_pixel_;
-  Xyz of_block_{}, of_tile_{};
+  std::vector<double> of_pixel_, of_tile_;
+  Xyz of_block_{};
 };
 
 }  // namespace

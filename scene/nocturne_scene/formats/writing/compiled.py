@@ -17,6 +17,8 @@ from nocturne_scene.document.model import SceneDocument
 from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.formats.writing.tables import Array, Table, table_of
 from nocturne_scene.meshes.triangles import Triangles
+from nocturne_scene.scene_ranges import range_of
+from nocturne_scene.spectra.wavelength_range import VISIBLE
 from nocturne_scene.textures import texture_files
 
 # No edge of a scene made by people has this direction.
@@ -269,24 +271,6 @@ class Compiled:
         if luminaire.radiance.HasField("texture"):
             self.findings.lost(f"{place}.radiance", "a textured luminaire can't be exported")
 
-    def refuse_overlaps(self) -> None:
-        """Tell of bodies that may overlap: boundaries of other renderers must not."""
-        bodies = list(self.bodies())
-        known: dict[int, Array] = {}
-        boxes = np.empty((len(bodies), 2, 3))
-        for at, body in enumerate(bodies):
-            if id(body.surface) not in known:
-                known[id(body.surface)] = np.stack(self.bounds(body.surface, body.place), axis=1)
-            corners = np.stack(np.meshgrid(*known[id(body.surface)]), axis=-1).reshape(-1, 3)
-            placed = corners @ body.placement[:, :3].T + body.placement[:, 3]
-            boxes[at] = placed.min(axis=0), placed.max(axis=0)
-            low, high = np.maximum(boxes[at, 0], boxes[:at, 0]), np.minimum(boxes[at, 1], boxes[:at, 1])
-            for other in np.flatnonzero(np.all(high > low, axis=1)):
-                self.findings.lost(
-                    body.place,
-                    f"may overlap with {bodies[other].place}, and bodies that do can't be exported",
-                )
-
     def refuse_other_sensors(self) -> None:
         """Tell of what a sensor has that only ours have."""
         sensor = self.message.sensor
@@ -296,7 +280,13 @@ class Compiled:
             self.findings.lost("$.sensor.aperture", "a lens opening with corners can't be exported")
         if sensor.further_responses:
             self.findings.lost("$.sensor.responses", "further responses can't be exported")
-        standard = spectra.response().astype(np.float32)
+        within = range_of(sensor)
+        if not within.is_usual:
+            self.findings.lost("$.wavelengths", f"{within} can't be exported, only {VISIBLE}")
+        if sensor.HasField("quantity"):
+            self.findings.lost("$.sensor.measures", "another quantity than luminance can't be exported")
+            return
+        standard = spectra.response(within=within).astype(np.float32)
         curves = (sensor.response_x, sensor.response_y, sensor.response_z)
         if any(not np.array_equal(curve, standard[:, axis]) for axis, curve in enumerate(curves)):
             self.findings.lost("$.sensor.observer", "other observers than that of 1931 can't be exported")

@@ -6,6 +6,7 @@ import numpy as np
 from nocturne.v1 import scene_pb2
 from numpy.typing import NDArray
 
+from nocturne_scene.compile.spectra import knots_of
 from nocturne_scene.spectra.published import FIRST, LAST, visible_wavelengths
 
 Array = NDArray[np.float64]
@@ -48,7 +49,7 @@ def table_of(message: scene_pb2.Spectrum) -> Table:
     values = np.array(message.values, dtype=np.float64)
     if len(values) == 1 and not message.lines:
         return Table(values)
-    knots = message.first_nm + message.step_nm * np.arange(len(values))
+    knots = knots_of(message)
     if len(values) == 1:
         knots, values = np.array([FIRST, LAST]), np.repeat(values, 2)
     elif not message.zero_outside:

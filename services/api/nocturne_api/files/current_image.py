@@ -13,7 +13,15 @@ from nocturne_scene.errors import NotFound
 from nocturne_scene.layers import NO_LAYERS, Layers
 from nocturne_scene.ranges import TileGrid
 from nocturne_scene.render_warnings import from_messages
-from nocturne_scene.tile_sums import BLOCK, PRODUCTS, blocks_in, decode, sums_per_pixel
+from nocturne_scene.scene_ranges import wavelengths_of
+from nocturne_scene.tile_sums import (
+    BLOCK,
+    PRODUCTS,
+    blocks_in,
+    decode,
+    products_of_tile,
+    sums_per_pixel,
+)
 
 MAX_PIXELS = 2**24
 """Of a film of this size the sums are 1.2 GB."""
@@ -46,7 +54,7 @@ def write_current(
     sums = np.zeros((height, width, sums_per_pixel(further)))
     counts = np.zeros((height, width), dtype=np.uint32)
     blocks = np.zeros((blocks_in(height), blocks_in(width), PRODUCTS))
-    whole, samples = np.zeros((grid.count, PRODUCTS)), [0] * grid.count
+    whole, samples = np.zeros((grid.count, products_of_tile(further))), [0] * grid.count
     for change, data in tiles:
         tile = grid.tile(change.tile_index)
         found = decode(data, tile.width, tile.height, further)
@@ -67,8 +75,10 @@ def write_current(
         row.truncated_paths,
         schedule.way,
         from_messages(schedule.warnings),
+        wavelengths_of(schedule),
+        schedule.instruments,
     )
-    of_tiles = whole.reshape(-1, grid.columns, PRODUCTS)
+    of_tiles = whole.reshape(-1, grid.columns, whole.shape[-1])
     write_image(
         path,
         sums,

@@ -97,6 +97,8 @@ RENDER: dict[str, Any] = {
     "quantity": "luminance",
     "unit": "cd/m2",
     "response_unit": "W m-2 sr-1",
+    "first_nm": 360,
+    "last_nm": 830,
     "warnings": [
         {
             "kind": "scene",
@@ -203,8 +205,8 @@ MEASUREMENTS: dict[str, Any] = {
             "unseen_pixels": 0,
             "mean": 512.0,
             "mean_error": 1.2,
-            "minimum": {"x": 9, "y": 23, "value": 318.0, "standard_error": 4.1},
-            "maximum": {"x": 16, "y": 8, "value": 640.0, "standard_error": 5.2},
+            "minimum": {"x": 9, "y": 23, "value": 318.0, "standard_error": 4.1, "place": [1.9, 0.75, 4.7]},
+            "maximum": {"x": 16, "y": 8, "value": 640.0, "standard_error": 5.2, "place": [3.3, 0.75, 1.7]},
             "u0": 0.621,
             "u0_error": 0.008,
             "ud": 0.497,
@@ -216,6 +218,13 @@ MEASUREMENTS: dict[str, Any] = {
                 "counts": [20, 76, 120, 40],
                 "outside": 0,
                 "logarithmic": False,
+            },
+            "colour": [{"name": "Ra", "value": 84.8, "standard_error": 0.12, "unit": ""}],
+            "daylight_factor": {
+                "mean": 4.1,
+                "mean_error": 0.014,
+                "minimum": 1.12,
+                "minimum_error": 0.03,
             },
         }
     ],

@@ -1,8 +1,10 @@
-"""Numbers of images: readings, measurements of parts, glare, isolines; and what guides their photons."""
+"""Numbers of images: readings, measurements of parts, glare, isolines; and what guides their photons. Long: a
+class for each."""
 
 from typing import Annotated, Any, Literal, Self
 
-from nocturne_scene.photometry import glare, measuring, outlines
+from nocturne_scene.photometry import arriving_light, glare, measuring, outlines
+from nocturne_scene.photometry.places import Places
 from pydantic import ConfigDict, Field
 
 from nocturne_api.models import examples
@@ -49,6 +51,9 @@ class MeasureRequest(RequestBody):
     )
     high: float = Field(default=0.0, description="Where the histogram ends.")
     logarithmic: bool = Field(default=False, description="Bins are even steps of the logarithm.")
+    colour: bool = Field(
+        default=False, description="Tell the colour of the light, where the sensor has `colour`."
+    )
 
 
 class KeepRegionsRequest(RequestBody):
@@ -85,11 +90,59 @@ class PixelValue(Answer):
     y: int
     value: float
     standard_error: float | None = Field(description=_ERROR)
+    place: list[float] | None = Field(
+        description="The middle of a meter's pixel, x, y, z in metres; null of other sensors."
+    )
 
     @classmethod
-    def of(cls, pixel: measuring.PixelValue) -> Self:
+    def of(cls, pixel: measuring.PixelValue, places: Places) -> Self:
         """The public side of a pixel's value."""
-        return cls(x=pixel.x, y=pixel.y, value=pixel.value, standard_error=_known(pixel.standard_error))
+        place = places.place(pixel.x, pixel.y)
+        return cls(
+            x=pixel.x,
+            y=pixel.y,
+            value=pixel.value,
+            standard_error=_known(pixel.standard_error),
+            place=None if place is None else [*place],
+        )
+
+
+class ColourValue(Answer):
+    """A number that tells of the colour of the light that arrives."""
+
+    name: str = Field(description="Such as Ra, Rf, melanopic equivalent daylight illuminance.")
+    value: float | None = Field(description="Null where the light has none.")
+    standard_error: float | None = Field(description=_ERROR)
+    unit: str = Field(description="In ASCII; empty: none.")
+
+    @classmethod
+    def of(cls, found: arriving_light.ColourValue) -> Self:
+        """The public side of a number."""
+        return cls(
+            name=found.name,
+            value=_known(found.value),
+            standard_error=_known(found.error),
+            unit=found.unit,
+        )
+
+
+class DaylightFactor(Answer):
+    """Illuminance over that outdoors, in percent (EN 17037)."""
+
+    mean: float
+    mean_error: float | None = Field(description=_ERROR)
+    minimum: float
+    minimum_error: float | None = Field(description=_ERROR)
+
+    @classmethod
+    def of(cls, found: measuring.DaylightFactor) -> Self:
+        """The public side of a daylight factor."""
+        return cls(
+            mean=found.mean,
+            mean_error=_known(found.mean_error),
+            minimum=found.minimum,
+            minimum_error=_known(found.minimum_error),
+        )
 
 
 class Histogram(Answer):
@@ -129,27 +182,40 @@ class Measurement(Answer):
     profile: list[PixelValue] = Field(description="Of a line: its pixels in order.")
     profile_csv: str = Field(description="The same as a table (RFC 4180); empty for other outlines.")
     histogram: Histogram | None = Field(description="Where one was asked for.")
+    colour: list[ColourValue] = Field(description="Of the light, where it was asked for and is known.")
+    daylight_factor: DaylightFactor | None = Field(
+        description="Of meters whose sensor names what is outdoors."
+    )
 
     @classmethod
     def of(
-        cls, outline: Outline, found: measuring.Measured, profile_csv: str, histogram: Histogram | None
+        cls,
+        outline: Outline,
+        measured: tuple[measuring.Measured, Places],
+        profile_csv: str,
+        histogram: Histogram | None,
+        colour: list[arriving_light.ColourValue],
+        daylight: measuring.DaylightFactor | None,
     ) -> Self:
         """The public side of a measurement."""
+        found, places = measured
         return cls(
             outline=outline,
             pixels=found.pixels,
             unseen_pixels=found.unseen_pixels,
             mean=found.mean,
             mean_error=_known(found.mean_error),
-            minimum=PixelValue.of(found.minimum),
-            maximum=PixelValue.of(found.maximum),
+            minimum=PixelValue.of(found.minimum, places),
+            maximum=PixelValue.of(found.maximum, places),
             u0=_known(found.u0),
             u0_error=_known(found.u0_error),
             ud=_known(found.ud),
             ud_error=_known(found.ud_error),
-            profile=[PixelValue.of(each) for each in found.profile],
+            profile=[PixelValue.of(each, places) for each in found.profile],
             profile_csv=profile_csv,
             histogram=histogram,
+            colour=[ColourValue.of(each) for each in colour],
+            daylight_factor=None if daylight is None else DaylightFactor.of(daylight),
         )
 
 

@@ -163,13 +163,17 @@ class Render(Answer):
         description="How its workers round, which all do alike; empty before the first result."
     )
     quantity: str = Field(
-        description='What Y measures: "luminance", "illuminance" or "luminous intensity"; empty: not '
-        "kept, in renders of older programs."
+        description='What Y measures: "luminance", "illuminance" or "luminous intensity", or what the sensor '
+        'measures instead, such as "irradiance"; empty: not kept, in renders of older programs.'
     )
-    unit: str = Field(description='Unit of Y: "cd/m2", "lx" or "cd".')
+    unit: str = Field(description='Unit of Y, such as "cd/m2", "lx", "cd" or "W m-2".')
     response_unit: str = Field(
         description='Unit of further responses, for one without a unit: "W m-2 sr-1", "W m-2" or "W sr-1".'
     )
+    first_nm: float = Field(
+        description="The shortest of the scene's wavelengths, nm: 360 unless it says another."
+    )
+    last_nm: float = Field(description="The longest of them, nm: 830 unless it says another.")
     warnings: list[RenderWarning] = Field(
         description="What of the scene can hardly be meant, with its place, and what the image may not show."
     )
@@ -215,7 +219,7 @@ class Render(Answer):
     def of(cls, row: RenderRow) -> Self:
         """The public side of a row of the data folder."""
         converted = {"progress", "stop", "look_first", "unit", "response_unit", "group", "after"}
-        converted |= {"guided", "warnings"}
+        converted |= {"guided", "warnings", "first_nm", "last_nm"}
         quantity = quantity_named(row.quantity)
         first = region.Region.from_json(row.look_first) if row.look_first else None
         return cls(
@@ -228,6 +232,8 @@ class Render(Answer):
             warnings=[RenderWarning.model_validate(each.to_json()) for each in row.warnings],
             unit=quantity.unit,
             response_unit=quantity.response_unit,
+            first_nm=row.wavelengths.first,
+            last_nm=row.wavelengths.last,
             **{name: getattr(row, name) for name in cls.model_fields.keys() - converted},
         )
 

@@ -13,8 +13,9 @@ from nocturne_coordinator.output.pictures import layers_of
 from nocturne_scene.errors import InputError, NotFound
 from nocturne_scene.layers import CHANNELS
 from nocturne_scene.layers import Values as LayerValues
-from nocturne_scene.photometry import glare, isolines, measuring
+from nocturne_scene.photometry import arriving_light, glare, isolines, measuring
 from nocturne_scene.photometry.outlines import Outline
+from nocturne_scene.photometry.places import Places
 from nocturne_scene.quantities import quantity_named
 from nocturne_scene.tile_sums import Values
 from nocturne_scene.uncertainty import ImageMoments
@@ -36,6 +37,8 @@ class _Channel:
     index: int
     quantity: str
     unit: str
+    names: Sequence[str]
+    """Of all channels."""
 
 
 class Measurements:
@@ -68,12 +71,18 @@ class Measurements:
         wanted = _checked(request.outlines, render, "$.outlines")
         if not wanted:
             wanted = await self._access.in_database(self._access.folder.measured_regions.of, render.id)
+        places = await self._places(render)
+        if not wanted:
+            wanted = places.outlines()
         if not wanted:
             wanted = [("", Outline("rectangle", ((0.0, 0.0), (float(render.width), float(render.height)))))]
         found, answers = [], []
         async with self._measuring:
+            outdoor = await self._outdoor(render, places, channel)
             for name, outline in wanted:
                 measured = await self._measured(render, outline, channel)
+                colour = await self._colour(render, measured, channel) if request.colour else []
+                daylight = None if outdoor is None else measuring.daylight_factor(measured, outdoor)
                 histogram = None
                 if request.bins:
                     histogram = await self._histogram(render, outline, measured, channel, request)
@@ -82,7 +91,9 @@ class Measurements:
                     profile = measuring.profile_as_csv(measured, channel.quantity, channel.unit)
                 found.append((name, outline, measured))
                 public = models.Outline.of(name, outline)
-                answers.append(models.Measurement.of(public, measured, profile, histogram))
+                answers.append(
+                    models.Measurement.of(public, (measured, places), profile, histogram, colour, daylight)
+                )
         return models.Measurements(
             quantity=channel.quantity,
             unit=channel.unit,
@@ -157,7 +168,25 @@ class Measurements:
         names = names_of(schedule)
         if name not in names:
             raise InputError.at("$.channel", f"{name[:40]!r} is not known; expected {', '.join(names)}")
-        return _Channel(names.index(name), *quantity_named(render.quantity).of_channel(name, names))
+        return _Channel(names.index(name), *quantity_named(render.quantity).of_channel(name, names), names)
+
+    async def _places(self, render: Render) -> Places:
+        schedule = await self._access.in_database(self._access.folder.renders.schedule, render.id)
+        return Places.read(schedule.instruments, render.width, render.height)
+
+    async def _outdoor(self, render: Render, places: Places, channel: _Channel) -> measuring.Measured | None:
+        outlines = dict(places.outlines())
+        if places.outdoor not in outlines:
+            return None
+        return await self._measured(render, outlines[places.outdoor], channel)
+
+    async def _colour(
+        self, render: Render, found: measuring.Measured, channel: _Channel
+    ) -> list[arriving_light.ColourValue]:
+        if not arriving_light.has_colour(channel.names):
+            return []
+        quantity = quantity_named(render.quantity)
+        return await asyncio.to_thread(arriving_light.colour_of, found.reading, channel.names, quantity)
 
     async def _parts(self, render: Render, region: Region) -> AsyncIterator[FilmPart]:
         schedule = await self._access.in_database(self._access.folder.renders.schedule, render.id)

@@ -51,8 +51,11 @@ def _answer(
 ) -> Reading:
     quantity = quantity_named(quantity_name)
     values = zip(names, found.mean, found.error, strict=True)
-    u, v = map(known, found.chromaticity)
-    u_error, v_error = map(known, found.chromaticity_error)
+    chromaticity, chromaticity_error = found.chromaticity, found.chromaticity_error
+    if not quantity.has_colour:
+        chromaticity = chromaticity_error = (math.nan, math.nan)
+    u, v = map(known, chromaticity)
+    u_error, v_error = map(known, chromaticity_error)
     return Reading(
         region=RegionModel(x=region.x, y=region.y, width=region.width, height=region.height),
         quantity=quantity.name,

@@ -21,6 +21,7 @@ from nocturne_api.background.layers_maker import LayersMaker
 from nocturne_api.background.space import Space
 from nocturne_api.background.sweeper import Sweeper
 from nocturne_api.compiling.pool import CompileLimits
+from nocturne_api.compiling.turns import CompileTurns
 from nocturne_api.errors import Overloaded, TooMany
 from nocturne_api.models.render_requests import CreateGroupRequest, CreateRenderRequest
 from nocturne_api.models.renders import (
@@ -58,7 +59,7 @@ class Renders:
         self._compile_limits = compile_limits
         self._sweeper = sweeper
         self._layers_maker = layers_maker
-        self._compiling = asyncio.Semaphore(limits.COMPILES_AT_ONCE)
+        self._compiling = CompileTurns()
         self._waiting: Counter[str] = Counter()
 
     async def create(self, request: CreateRenderRequest) -> Render:
@@ -207,7 +208,7 @@ class Renders:
             new = []
             for member in members:
                 # Members of several groups, and single renders, in turn.
-                async with self._compiling:
+                async with self._compiling.turn(owner):
                     asked = request, member, access.folder, owner, self._compile_limits
                     new.append(await until_abandoned(partial(compiled_member, *asked)))
             # Files that were deleted in between are made again, or found missing by the compiler.

@@ -17,6 +17,7 @@ from nocturne_coordinator.store.tags import checked_tags
 from nocturne_scene.compile.layers import check_can_make, usual_layers
 from nocturne_scene.document.model import SceneDocument
 from nocturne_scene.document.read import check_document
+from nocturne_scene.document.sensors import film_size
 from nocturne_scene.errors import InputError, Problem
 from nocturne_scene.film import Film
 from nocturne_scene.layers import known_layers
@@ -79,13 +80,14 @@ def compiled(
         or tags is None
     ):
         raise InputError(found.problems)
+    width, height = film_size(document.sensor, request.width, request.height)
     new = NewRender(
         request_id=request.request_id,
         name=request.name,
         scene_sha256="",
         scene_document=_canonical(request.scene),
-        width=request.width,
-        height=request.height,
+        width=width,
+        height=height,
         samples=request.samples,
         schedule=schedule,
         stop=stop,
@@ -93,7 +95,7 @@ def compiled(
         owner=owner,
         sensor=document.sensor.type,
         layers=layers,
-        usual_layers=usual_layers(document, Film(*film)),
+        usual_layers=usual_layers(document, Film(width, height, request.samples)),
         in_group=request.group,
         after_group=request.after,
         tags=tags,

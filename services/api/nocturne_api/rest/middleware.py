@@ -95,7 +95,10 @@ class SecurityMiddleware:
         if self._loopback_only and _name(host) not in _LOOPBACK_NAMES:
             return f"This service answers to localhost only, not to {_name(host)[:80]!r}."
         origin = headers.get("origin")
-        if method not in _READING and origin is not None and urlsplit(origin).netloc != host:
+        from_elsewhere = origin is not None and urlsplit(origin).netloc != host
+        # Browsers say so even where they send no origin.
+        from_elsewhere |= headers.get("sec-fetch-site", "none") not in ("same-origin", "none")
+        if method not in _READING and from_elsewhere:
             return "Requests that change something are taken from this service's own page only."
         return ""
 

@@ -1,5 +1,6 @@
 """The program: all commands, and the one place where errors become messages and exit statuses."""
 
+import io
 import sys
 from typing import Annotated
 
@@ -63,6 +64,10 @@ app.add_typer(webhook_commands.app)
 
 def main() -> None:
     """Runs the command line; user errors end in one message, never in a traceback."""
+    for stream in (sys.stdout, sys.stderr):
+        # What a terminal has no letters for is shown by its number.
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
     try:
         app()
     except NocturneClientError as error:

@@ -37,7 +37,7 @@ def add_to(app: typer.Typer) -> None:
         import_scene: "import",
         export_scene: "export",
     }
-    commands = (up, render, ies, compile_scene, import_scene, export_scene, doctor, restore)
+    commands = (up, render, ies, ugr, compile_scene, import_scene, export_scene, doctor, restore)
     for command in commands:
         app.command(name=names.get(command))(command)
 
@@ -177,6 +177,23 @@ def ies(
 
     write_photometry(image, output)
     typer.echo(output)
+
+
+def ugr(
+    file: Annotated[Path, typer.Argument(metavar="FILE.ies|.ldt", help="Photometry of a luminaire.")],
+    spacing: Annotated[
+        float,
+        typer.Option("--spacing", min=0.1, max=2.0, help="Between luminaires, in heights above the eye."),
+    ] = 0.25,
+    as_json: AsJson = False,
+) -> None:
+    """Print a luminaire's table of unified glare ratings in standard rooms (CIE 117, CIE 190)."""
+    from nocturne_client.local.ugr import ugr_rows, ugr_table
+
+    if as_json:
+        print_json(ugr_rows(file, spacing))
+    else:
+        CONSOLE.print(ugr_table(file, spacing))
 
 
 def compile_scene(

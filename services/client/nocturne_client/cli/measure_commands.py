@@ -20,6 +20,21 @@ from nocturne_client.readings import CONFIDENCE, interval, parse_region, rounded
 Target = Annotated[
     str, typer.Argument(metavar="ID|IMAGE.exr", help="A render of the service, or a file on this machine.")
 ]
+Colour = Annotated[
+    bool,
+    typer.Option(
+        "--colour",
+        help="Tell the colour of the light: CCT, Ra, Rf, alpha-opic; needs `colour` of the sensor.",
+    ),
+]
+Polygon = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--polygon",
+        metavar="'X,Y X,Y X,Y...'",
+        help="Corners in pixels: it has the pixels whose centres it holds.",
+    ),
+]
 _LEAST = {"polygon": 3, "line": 2}
 
 
@@ -36,14 +51,7 @@ def measure(
         list[str] | None,
         typer.Option("--region", metavar="X,Y,WIDTH,HEIGHT", help="A rectangle of pixels; may be repeated."),
     ] = None,
-    polygon: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--polygon",
-            metavar="'X,Y X,Y X,Y...'",
-            help="Corners in pixels: it has the pixels whose centres it holds.",
-        ),
-    ] = None,
+    polygon: Polygon = None,
     line: Annotated[
         list[str] | None,
         typer.Option("--line", metavar="X0,Y0,X1,Y1", help="From a pixel to another; gives a profile."),
@@ -52,6 +60,7 @@ def measure(
         str, typer.Option("--channel", help="X, Y, Z, or a further response of the sensor.")
     ] = "Y",
     bins: Annotated[int, typer.Option("--histogram", metavar="BINS", min=0, help="Count values, too.")] = 0,
+    colour: Colour = False,
     keep: Annotated[
         bool, typer.Option("--keep", help="Keep these with the render, instead of all that were.")
     ] = False,
@@ -64,7 +73,8 @@ def measure(
     """Minimum, mean, maximum and uniformity (U0 = min / mean, Ud = min / max) of parts of an image, with
     errors.
 
-    Without parts, of those kept with the render; where there are none, of the whole image.
+    Without parts, of those kept with the render; where there are none, of the sensor's instruments, or of the
+    whole image.
     """
     outlines = [
         *(_rectangle(text) for text in region or []),
@@ -72,17 +82,17 @@ def measure(
         *(_outline("line", text) for text in line or []),
     ]
     file = file_named(target)
+    if file is not None and keep:
+        raise NocturneClientError("--keep: parts are kept with renders of the service, and not in files")
     if file is not None:
-        if keep:
-            raise NocturneClientError("--keep: parts are kept with renders of the service, and not in files")
         from nocturne_client.local.measuring import measure_file
 
-        found = measure_file(file, outlines, channel, bins)
+        found = measure_file(file, outlines, channel, bins, colour=colour)
     else:
         with Client(url) as client:
             if keep:
                 client.keep_regions(target, outlines)
-            found = client.measure(target, outlines, channel, bins)
+            found = client.measure(target, outlines, channel, bins, colour=colour)
     if as_json:
         print_json(asdict(found))
     elif as_csv:
@@ -194,13 +204,36 @@ def _print(found: Measurements) -> None:
     # Lines that are too long for the terminal go on in its next one.
     Console(highlight=False, width=max(CONSOLE.width, 100)).print(table)
     for each in found.measurements:
+        _print_daylight(each)
+    for each in found.measurements:
         _print_histogram(each)
+        _print_colour(each)
 
 
 def _value(value: float | None, error: float | None, digits: int = 4) -> str:
     if value is None:
         return "-"
     return rounded(value, digits) + ("" if error is None else f" +- {rounded(CONFIDENCE * error, 2)}")
+
+
+def _print_daylight(measured: Measurement) -> None:
+    if (found := measured.daylight_factor) is not None:
+        mean, least = (
+            _value(found.mean, found.mean_error),
+            _value(found.minimum, found.minimum_error),
+        )
+        CONSOLE.print(
+            f"{_name(measured.outline)}: daylight factor {mean} %, least {least} %", highlight=False
+        )
+
+
+def _print_colour(measured: Measurement) -> None:
+    if not measured.colour:
+        return
+    CONSOLE.print(f"\n{_name(measured.outline)}: colour of the light, with 95 % intervals")
+    for each in measured.colour:
+        value = _value(each.value, each.standard_error, 5)
+        CONSOLE.print(f"  {each.name}: {value} {each.unit}".rstrip(), highlight=False)
 
 
 def _print_histogram(measured: Measurement) -> None:

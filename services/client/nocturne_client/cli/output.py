@@ -66,6 +66,7 @@ def print_render(render: Render, as_json: bool, price: Usage | None = None) -> N
         ("name", render.name),
         ("state", f"{render.state} {render.reason}".strip()),
         ("film", f"{render.width} x {render.height}, {render.samples} samples per pixel"),
+        ("wavelengths", f"{render.first_nm:g} to {render.last_nm:g} nm"),
         ("merged", f"{render.fraction:.1%}, {progress.samples_merged:,} samples, {progress.rays:,} rays"),
         *(("warning", warning.sentence) for warning in render.warnings),
         *([("traced by", render.way)] if render.way else []),

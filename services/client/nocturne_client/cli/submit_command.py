@@ -51,6 +51,14 @@ InGroup = Annotated[
     str, typer.Option("--group", help="Name of the group. Default: the scene's, and a few letters.")
 ]
 Tags = Annotated[list[str] | None, typer.Option("--tag", help="A word to sort renders by; may be repeated.")]
+Wait = Annotated[
+    float,
+    typer.Option(
+        "--wait",
+        metavar="SECONDS",
+        help="How long to wait, in all, while the service is busy or a quota is used up.",
+    ),
+]
 After = Annotated[str, typer.Option("--after", metavar="GROUP", help="Begin when this group has ended.")]
 
 
@@ -83,6 +91,7 @@ def submit(
     then_watch: Annotated[bool, typer.Option("--watch", help="Follow it to its end.")] = False,
     light: Light = "",
     allow_missing: AllowMissing = False,
+    wait: Wait = 3600.0,
     url: Url = None,
     as_json: AsJson = False,
 ) -> None:
@@ -99,7 +108,7 @@ def submit(
         group = f"{scene.name} {hashlib.sha256(chosen.encode()).hexdigest()[:6]}"
     settings = {"stop": stop, "priority": weight, "layers": layer_names(layers), "changes": changes}
     settings |= {"group": group, "after": after, "tags": tags or []}
-    with Client(url) as client:
+    with Client(url, patience_s=wait, on_wait=_waits) as client:
         found: dict[Path, dict[str, Any]] = {}
         if is_of_other_renderer(scene):
             imported = _imported(client, scene, allow_missing, light)
@@ -155,6 +164,10 @@ def _scenes(scene: Path) -> list[Path]:
     if not found:
         raise NocturneClientError(f"{scene} has no scene documents (*.json)")
     return found
+
+
+def _waits(error: NocturneClientError, seconds: float) -> None:
+    ERRORS.print(f"{error}. Asking again in {seconds:.0f} s.", markup=False, soft_wrap=True)
 
 
 def _told(path: Path, sent: int, size: int) -> None:

@@ -27,7 +27,8 @@ def validate(
         list[str] | None,
         typer.Argument(
             metavar="SUITE",
-            help="cie171, lamps, factors, enclosures, glass, media, colours; all without.",
+            help="cie171, lamps, factors, enclosures, glass, films, media, colours, wavelengths; "
+            "all without.",
             show_default=False,
         ),
     ] = None,

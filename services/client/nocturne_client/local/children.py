@@ -57,6 +57,11 @@ class Child:
         """Whether the process runs."""
         return self._process is not None and self._process.poll() is None
 
+    def send_signal(self, number: signal.Signals) -> None:
+        """Where it runs."""
+        if self._process is not None and self.is_alive():
+            self._process.send_signal(number)
+
     def start(self) -> None:
         """Starts the process in a separate group, so that Ctrl-C reaches only us and we stop in order."""
         launcher = [sys.executable, "-I", "-S", str(_LAUNCHER), str(os.getpid())]

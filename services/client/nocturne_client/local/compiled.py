@@ -10,6 +10,7 @@ from nocturne_scene.compile.compiler import compile_layers, compile_scene
 from nocturne_scene.compile.layers import usual_layers
 from nocturne_scene.document.changes import changed
 from nocturne_scene.document.read import check_document
+from nocturne_scene.document.sensors import film_size
 from nocturne_scene.errors import InputError, NocturneError
 from nocturne_scene.film import Film
 from nocturne_scene.layers import known_layers
@@ -72,6 +73,7 @@ def compile_to(
         folder.mkdir(parents=True, exist_ok=True)
         blobs = BlobStore(folder / "blobs", durable=False)
         store_files(on_disk, blobs)
+        width, height = film_size(document.sensor, width, height)
         film = Film(width, height, samples)
         names = () if layers is None else known_layers((*layers, *usual_layers(document, film)))
         output = compile_scene(document, blobs, film)

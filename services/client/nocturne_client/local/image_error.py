@@ -10,6 +10,7 @@ from nocturne_coordinator.dispatch.trust import CONFIDENCE, doubt_of
 from nocturne_scene.compare.images import read_picture
 from nocturne_scene.errors import InputError
 from nocturne_scene.quantities import Quantity, quantity_named
+from nocturne_scene.spectra.wavelength_range import VISIBLE
 from nocturne_scene.uncertainty import ImageMoments, RegionReading, read_region
 
 from nocturne_client.errors import NocturneClientError
@@ -23,6 +24,8 @@ class ImageError:
     estimate: ErrorEstimate
     reading: RegionReading
     """Of the whole image."""
+    wavelengths: str = ""
+    """Of the scene, in words, where they are not the usual ones."""
 
     @property
     def doubt(self) -> str:
@@ -35,7 +38,8 @@ class ImageError:
             return f"No light was found: all pixels are black after {estimate.samples} samples."
         what = "" if estimate.pixels == 1 else "mean "
         interval = f" +- {CONFIDENCE * estimate.mean_error:.2g}" if estimate.mean_error else ""
-        mean = f"{what}{quantity.name or 'Y'} {estimate.mean:.5g}{interval} {quantity.unit}".rstrip()
+        of = f" of {self.wavelengths}" if self.wavelengths else ""
+        mean = f"{what}{quantity.name or 'Y'}{of} {estimate.mean:.5g}{interval} {quantity.unit}".rstrip()
         if estimate.samples < 2:
             return f"{mean}; one sample per pixel gives no error."
         told = f"{mean}{self._colour()} (95 %), relative error {estimate.relative_error:.3%}"
@@ -49,6 +53,8 @@ class ImageError:
 
     def _colour(self) -> str:
         """u' and v' with their intervals; empty where these are not known."""
+        if not self.quantity.has_colour:
+            return ""
         parts = zip(("u'", "v'"), self.reading.chromaticity, self.reading.chromaticity_error, strict=True)
         told = [
             f", {name} {value:.4f} +- {CONFIDENCE * error:.2g}" for name, value, error in parts if error > 0.0
@@ -60,7 +66,9 @@ def image_error(image: Path) -> ImageError:
     """Raises NocturneClientError where the file is none of ours."""
     try:
         with OpenEXR.File(str(image), header_only=True) as file:
-            quantity = quantity_named(file.header().get("nocturne:quantity", ""))
+            header = file.header()
+            quantity = quantity_named(header.get("nocturne:quantity", ""))
+            wavelengths = header.get("nocturne:wavelengths", str(VISIBLE)).removeprefix(str(VISIBLE))
         moments = read_picture(image).moments
     except (RuntimeError, KeyError, InputError) as error:
         raise NocturneClientError(f"{image} is no EXR of ours") from error
@@ -69,7 +77,7 @@ def image_error(image: Path) -> ImageError:
         raise NocturneClientError(f"{image} is no EXR of ours")
     known = reading.samples_per_pixel[0] > 1
     estimate = replace(_estimate_of(moments), mean_error=reading.error[1] if known else 0.0)
-    return ImageError(quantity, estimate, reading)
+    return ImageError(quantity, estimate, reading, wavelengths)
 
 
 def _estimate_of(moments: ImageMoments) -> ErrorEstimate:

@@ -15,9 +15,10 @@ def begin(log: Path) -> None:
         log.replace(_kept(log, 1))
 
 
-def bound(log: Path) -> None:
-    """Keeps a copy of one that has grown large, and empties it: its writers append, and go on in it."""
-    if log.exists() and log.stat().st_size > MAX_BYTES:
+def bound(log: Path, max_bytes: int | None = None) -> None:
+    """Keeps a copy of one that has grown larger (than MAX_BYTES), and empties it: its writers append, and go
+    on in it."""
+    if log.exists() and log.stat().st_size > (MAX_BYTES if max_bytes is None else max_bytes):
         _make_way(log)
         shutil.copyfile(log, _kept(log, 1))
         with log.open("r+b") as file:

@@ -12,7 +12,7 @@ from nocturne_coordinator.dispatch.error_estimate import Squares, estimate_error
 from nocturne_coordinator.dispatch.trust import RangeEnd, confirmed
 from nocturne_scene.pixel_errors import pixel_variance
 from nocturne_scene.ranges import TileGrid, sample_ends
-from nocturne_scene.tile_sums import PIXEL_SQUARES, PRODUCTS, Counts, TileSums, Values, split
+from nocturne_scene.tile_sums import PIXEL_SQUARES, Counts, TileSums, Values, split
 
 # Places among a pixel's sums.
 _Y = 1
@@ -54,7 +54,7 @@ class LocalStop:
     def _has_error(self, samples: int, sums_file: Path) -> bool:
         schedule, sums = self._schedule, self._sums(sums_file)
         width, height, grid = schedule.width, schedule.height, TileGrid.of(schedule)
-        of_tiles = sums.tile_products.reshape(-1, grid.columns, PRODUCTS)
+        of_tiles = sums.tile_products.reshape(-1, grid.columns, sums.tile_products.shape[-1])
         squares = Squares(sums.block_products, of_tiles, grid.tile_size)
         counts = np.full((height, width), samples, dtype=np.uint32)
         now = RangeEnd.of(estimate_error(sums.pixels, counts, squares))

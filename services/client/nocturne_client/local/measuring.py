@@ -11,9 +11,11 @@ from nocturne_scene.compare.images import Picture, read_picture
 from nocturne_scene.errors import InputError
 from nocturne_scene.layers import CHANNELS, Values
 from nocturne_scene.photometry import glare, measuring
+from nocturne_scene.photometry.arriving_light import ColourValue, colour_of
 from nocturne_scene.photometry.directions import Projection
 from nocturne_scene.photometry.glare_sources import GlareSource
 from nocturne_scene.photometry.outlines import Kind, Outline
+from nocturne_scene.photometry.places import ATTRIBUTE, Places
 from nocturne_scene.photometry.point_illuminances import PointReading, point_reading
 from nocturne_scene.quantities import LUMINANCE, Quantity, quantity_named
 from nocturne_scene.tile_sums import PRODUCTS, blocks_in
@@ -24,7 +26,7 @@ from nocturne_client.errors import NocturneClientError, Problem
 
 
 def measure_file(
-    image: Path, outlines: Sequence[contract.Outline], channel: str, bins: int
+    image: Path, outlines: Sequence[contract.Outline], channel: str, bins: int, *, colour: bool = False
 ) -> contract.Measurements:
     """What parts of an image show, or all of it. Raises NocturneClientError."""
     try:
@@ -35,13 +37,16 @@ def measure_file(
             raise InputError.at(str(image), f"{channel!r} is not known; expected {expected}")
         name, unit = quantity.of_channel(channel, picture.names)
         height, width = moments.samples.shape
-        wanted = [(each.name, _outline(each)) for each in outlines] or [
-            ("", Outline("rectangle", ((0.0, 0.0), (float(width), float(height)))))
-        ]
+        places = Places.read(_attribute(image, ATTRIBUTE), width, height)
+        wanted = [(each.name, _outline(each)) for each in outlines] or places.outlines()
+        wanted = wanted or [("", Outline("rectangle", ((0.0, 0.0), (float(width), float(height)))))]
         for _, outline in wanted:
             outline.check(width, height, outline.kind)
         index = picture.names.index(channel)
         found = [(text, outline, _measured(moments, outline, index)) for text, outline in wanted]
+        colours = [colour_of(each.reading, picture.names, quantity) if colour else [] for *_, each in found]
+        of_outdoor = dict(places.outlines()).get(places.outdoor)
+        outdoor = _measured(moments, of_outdoor, index) if of_outdoor else None
     except InputError as error:
         raise _refused(error) from error
     return contract.Measurements(
@@ -49,8 +54,15 @@ def measure_file(
         unit=unit,
         channel=channel,
         measurements=[
-            _measurement(text, outline, one, _histogram(moments, outline, one, index, bins), (name, unit))
-            for text, outline, one in found
+            _measurement(
+                contract.Outline(text, outline.kind, [[x, y] for x, y in outline.points]),
+                (one, places),
+                _histogram(moments, outline, one, index, bins),
+                (name, unit),
+                of_light,
+                None if outdoor is None else measuring.daylight_factor(one, outdoor),
+            )
+            for (text, outline, one), of_light in zip(found, colours, strict=True)
         ],
         csv=measuring.as_csv(found, name, unit),
     )
@@ -125,8 +137,12 @@ def _channel(image: Path, name: str) -> Values | None:
 
 
 def _quantity(image: Path) -> Quantity:
-    spec = oiio.ImageBuf(str(image)).spec()
-    return quantity_named(spec.getattribute("nocturne:quantity") or "")
+    return quantity_named(_attribute(image, "nocturne:quantity"))
+
+
+def _attribute(image: Path, name: str) -> str:
+    """Empty where a file that can be read has none of that name."""
+    return str(oiio.ImageBuf(str(image)).spec().getattribute(name) or "")
 
 
 def _moments(picture: Picture) -> ImageMoments:
@@ -171,31 +187,46 @@ def _histogram(
 
 
 def _measurement(
-    name: str,
-    outline: Outline,
-    found: measuring.Measured,
+    outline: contract.Outline,
+    measured: tuple[measuring.Measured, Places],
     histogram: contract.Histogram | None,
     named: tuple[str, str],
+    colour: Sequence[ColourValue],
+    daylight: measuring.DaylightFactor | None,
 ) -> contract.Measurement:
+    found, places = measured
     numbers: dict[str, Any] = {
         each: _known(getattr(found, each)) for each in ("mean_error", "u0", "u0_error", "ud", "ud_error")
     }
     return contract.Measurement(
-        outline=contract.Outline(name, outline.kind, [[x, y] for x, y in outline.points]),
+        outline=outline,
         pixels=found.pixels,
         unseen_pixels=found.unseen_pixels,
         mean=found.mean,
-        minimum=_pixel(found.minimum),
-        maximum=_pixel(found.maximum),
-        profile=[_pixel(each) for each in found.profile],
+        minimum=_pixel(found.minimum, places),
+        maximum=_pixel(found.maximum, places),
+        profile=[_pixel(each, places) for each in found.profile],
         profile_csv=measuring.profile_as_csv(found, *named) if found.profile else "",
         histogram=histogram,
+        colour=[
+            contract.ColourValue(each.name, _known(each.value), _known(each.error), each.unit)
+            for each in colour
+        ],
+        daylight_factor=None if daylight is None else _daylight(daylight),
         **numbers,
     )
 
 
-def _pixel(pixel: measuring.PixelValue) -> contract.PixelValue:
-    return contract.PixelValue(pixel.x, pixel.y, pixel.value, _known(pixel.standard_error))
+def _daylight(found: measuring.DaylightFactor) -> contract.DaylightFactor:
+    return contract.DaylightFactor(
+        found.mean, _known(found.mean_error), found.minimum, _known(found.minimum_error)
+    )
+
+
+def _pixel(pixel: measuring.PixelValue, places: Places) -> contract.PixelValue:
+    place = places.place(pixel.x, pixel.y)
+    known = None if place is None else [*place]
+    return contract.PixelValue(pixel.x, pixel.y, pixel.value, _known(pixel.standard_error), known)
 
 
 def _outline(outline: contract.Outline) -> Outline:

@@ -15,7 +15,7 @@ import OpenEXR
 from nocturne.v1 import job_pb2
 from nocturne_coordinator.output.images import FINAL_COMPRESSION, write_preview
 from nocturne_scene.compare.images import read_picture
-from nocturne_scene.layers import read_layers
+from nocturne_scene.layers import NO_LAYERS, read_layers
 from rich.progress import Progress
 
 from nocturne_client.console import ERRORS
@@ -81,11 +81,8 @@ def render_scene(asked: LocalRender) -> None:
             _trace([*command, "--ask-after-ranges", str(sums)], Path(name).name, stop, sums)
         else:
             _trace(command, Path(name).name)
-        if compiled.layers:
-            add_layers(image, compiled.layers)
         error = image_error(image)
-        if error.doubt:
-            note_doubt(image, error.doubt)
+        write_as_the_service_does(image, error.doubt, compiled.layers)
         for path in asked.outputs:
             _write(image, path)
     said = str(error)
@@ -176,22 +173,14 @@ def _show(lines: IO[str] | None, name: str) -> str:
     return said
 
 
-def note_doubt(image: Path, doubt: str) -> None:
-    """Writes into an EXR why its errors are not to be trusted, as those of the service say it."""
-    _rewrite(image, {"nocturne:errorDoubt": doubt}, {})
-
-
-def add_layers(image: Path, layers: Path) -> None:
-    """Puts layers beside the image, as the service does."""
-    read = read_layers(layers)
-    _rewrite(image, read.attributes, read.channels)
-
-
-def _rewrite(image: Path, attributes: Mapping[str, str], channels: Mapping[str, Any]) -> None:
+def write_as_the_service_does(image: Path, doubt: str = "", layers: Path | None = None) -> None:
+    """Writes the tracer's EXR again, so that it has the very bytes of the service's: with why its errors are
+    not to be trusted, with layers, and compressed by the same library."""
+    beside = read_layers(layers) if layers else NO_LAYERS
     with OpenEXR.File(str(image), separate_channels=True) as file:
         before = {name: channel.pixels for name, channel in file.channels().items()}
-        header = {**file.header(), **attributes}
+        header = {**file.header(), **({"nocturne:errorDoubt": doubt} if doubt else {}), **beside.attributes}
     header.pop("channels", None)
     # A sensor may have responses with such names: they go first.
-    with OpenEXR.File(header, {**channels, **before}) as file:
+    with OpenEXR.File(header, {**beside.channels, **before}) as file:
         file.write(str(image))

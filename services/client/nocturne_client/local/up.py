@@ -55,8 +55,15 @@ class UpSettings:
 
 
 def run_up(settings: UpSettings) -> None:
-    """Runs until SIGINT or SIGTERM, then stops all in order. NocturneClientError if it can't start."""
-    stop = threading.Event()
+    """Runs until SIGINT or SIGTERM, then stops all in order. SIGHUP begins logs anew and tells the children,
+    unless it says that the terminal is closed. NocturneClientError if it can't start."""
+    stop, reload = threading.Event(), threading.Event()
+    has_terminal = os.isatty(0)
+
+    def hung_up(_: int, __: FrameType | None) -> None:
+        (stop if has_terminal and not os.isatty(0) else reload).set()
+
+    signal.signal(signal.SIGHUP, hung_up)
 
     def ask_to_stop(_: int, __: FrameType | None) -> None:
         stop.set()
@@ -65,10 +72,10 @@ def run_up(settings: UpSettings) -> None:
         signal.signal(number, ask_to_stop)
     with _told(settings.data):
         _make_folder(settings.data)
-        _run(settings, stop)
+        _run(settings, stop, reload)
 
 
-def _run(settings: UpSettings, stop: threading.Event) -> None:
+def _run(settings: UpSettings, stop: threading.Event, reload: threading.Event) -> None:
     with only_one_service(settings.data), socket_folder() as sockets:
         need_program("nocturne-worker")
         _check_ports(settings.port)
@@ -78,6 +85,9 @@ def _run(settings: UpSettings, stop: threading.Event) -> None:
             if not stop.is_set():
                 _announce(settings, token)
             while not stop.wait(_TEND_S):
+                if reload.is_set():
+                    reload.clear()
+                    stack.reload()
                 stack.supervise()
             ERRORS.print("stopping ...")
 
@@ -165,6 +175,14 @@ class _Stack:
                 self._write_file()
             except OSError as error:
                 ERRORS.print(f"{self._file} is out of date: {error}", markup=False, soft_wrap=True)
+
+    def reload(self) -> None:
+        """Begins logs anew; API and coordinator look again at what they read at their start."""
+        with suppress(OSError):
+            for log in self._logs.glob("*.log"):
+                kept_logs.bound(log, 0)
+        for child in (self._coordinator, self._api):
+            child.send_signal(signal.SIGHUP)
 
     def _child(self, name: str, answers: Callable[[], bool], *command: str) -> Child:
         return Child(name, command, self._logs / f"{name}.log", answers)

@@ -1,6 +1,7 @@
 /** How an image is shown. Pure. */
 import type { Scale } from "./colour_maps.ts";
 import type { TiledImage, Region } from "./tiled_image.ts";
+import { shownUnit } from "../format.ts";
 import { decades } from "./colour_maps.ts";
 import type { Triple } from "./colour.ts";
 import type { Render } from "../service/types.ts";
@@ -51,12 +52,10 @@ export function scaleOf(show: Show, image: TiledImage): Scale {
       return decades(image.some(3));
     case "relative error":
       return { low: 1e-4, high: 1, logarithmic: true };
-    case "samples": {
-      const most = Math.max(1, ...[...image.tiles.values()].map((tile) => tile.samples));
-      return { low: 0, high: most, logarithmic: false };
-    }
+    case "samples":
+      return { low: 0, high: image.most((tile) => tile.samples), logarithmic: false };
     case "invalid_samples":
-      return { low: 0, high: Math.max(1, ...[...image.tiles.values()].map((tile) => tile.invalid_samples)), logarithmic: false };
+      return { low: 0, high: image.most((tile) => tile.invalid_samples), logarithmic: false };
     case "difference":
       return { low: -4, high: 4, logarithmic: false };
     case "colour":
@@ -73,7 +72,7 @@ export interface Measured {
 
 /** What an image's numbers are; those of older renders are not named. */
 export function measured({ quantity, unit, progress }: Pick<Render, "quantity" | "unit" | "progress">): Measured {
-  return { quantity: quantity || "Y", unit: unit.replace("m2", "m²"), mean: progress.mean };
+  return { quantity: quantity || "Y", unit: shownUnit(unit), mean: progress.mean };
 }
 
 /** What the numbers beside the colour map are. */

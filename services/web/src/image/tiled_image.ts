@@ -66,16 +66,22 @@ export class TiledImage {
       }
     }
     if (pixels === 0) return undefined;
-    const samples = [...seen].map((tile) => tile.samples);
-    const fewest = Math.min(...samples);
+    const [fewest, most] = fewestAndMost(seen);
     return {
       region,
       xyz: [sumX / pixels, sumY / pixels, sumZ / pixels],
       standardError: fewest > 1 ? Math.sqrt(variance) / pixels : NaN,
-      samples: [fewest, Math.max(...samples)],
+      samples: [fewest, most],
       invalid_samples: [...seen].reduce((total, tile) => total + tile.invalid_samples, 0),
       pixels,
     };
+  }
+
+  /** The largest of a number of tiles, at least 1. */
+  most(of: (tile: Tile) => number): number {
+    let most = 1;
+    for (const tile of this.tiles.values()) most = Math.max(most, of(tile));
+    return most;
   }
 
   /** One of the four values of pixels here and there: enough to choose an exposure or a scale by. */
@@ -118,4 +124,11 @@ export function tiledImageOf({ width, height, tileSize, tiles }: TileAnswer): Ti
   const image = new TiledImage(width, height, tileSize);
   for (const tile of tiles) image.put(tile);
   return image;
+}
+
+/** Samples of tiles, one by one: a film may have more tiles than a call may have arguments. */
+function fewestAndMost(tiles: Iterable<Tile>): [number, number] {
+  let [fewest, most] = [Infinity, 0];
+  for (const { samples } of tiles) [fewest, most] = [Math.min(fewest, samples), Math.max(most, samples)];
+  return [fewest, most];
 }

@@ -5,7 +5,9 @@ import { getGlare, getIsolines, keepRegions, measure } from "../service/measurin
 import { hasImage, type Measurements, type Outline, type Render } from "../service/types.ts";
 import type { RenderImage } from "../viewer/render_image.ts";
 import { chartOf } from "./charts.ts";
+import { tellsOf } from "./colour_table.ts";
 import { isolineControls, outlineForm } from "./forms.ts";
+import { glareMarks } from "./glare_marks.ts";
 import { glareText, hasGlare } from "./glare_text.ts";
 import { isWhole } from "./outlines.ts";
 import { quantityText, tableOf } from "./table.ts";
@@ -23,6 +25,7 @@ export class MeasurePanel {
   readonly #isolines = isolineControls(() => { this.#later(0); });
   readonly #problem = element("p", { class: "problem", role: "alert" });
   readonly #table = element("div", { class: "events" });
+  readonly #told = element("div", { class: "events" });
   readonly #plot = element("div", { class: "plot" });
   readonly #chart = new Plot(this.#plot);
   readonly #csv: HTMLAnchorElement;
@@ -41,9 +44,12 @@ export class MeasurePanel {
     this.#csv = element("a", { download: `${file}.csv` }, "Table as CSV");
     this.#profile = element("a", { download: `${file}-profile.csv` }, "Profile as CSV");
     const links = element("p", { class: "downloads" }, this.#csv, this.#profile);
-    const parts = [this.#form.node, this.#problem, this.#table, this.#plot, links, this.#isolines.node, this.#glare];
+    const parts = [this.#form.node, this.#problem, this.#table, this.#told, this.#plot, links, this.#isolines.node, this.#glare];
     this.node = element("details", { class: "measure" }, element("summary", {}, "Measure"), ...parts);
-    this.node.addEventListener("toggle", () => { this.#later(0); });
+    this.node.addEventListener("toggle", () => {
+      if (!this.node.open) this.#hideMarks();
+      this.#later(0);
+    });
   }
 
   show(render: Render): void {
@@ -57,6 +63,11 @@ export class MeasurePanel {
   draft(outline: Outline | undefined): void {
     this.#image.overlay.draft = outline;
     if (outline) this.#form.fill(outline);
+    this.#image.viewer?.repaint();
+  }
+
+  #hideMarks(): void {
+    this.#image.overlay.marks = [];
     this.#image.viewer?.repaint();
   }
 
@@ -94,6 +105,8 @@ export class MeasurePanel {
       // Until every pixel has samples there is none.
       const told = await getGlare(this.#id).catch(() => undefined);
       setText(this.#glare, told ? glareText(told) : "");
+      this.#image.overlay.marks = told && this.node.open ? glareMarks(told, render) : [];
+      this.#image.viewer?.repaint();
     }
   }
 
@@ -119,6 +132,7 @@ export class MeasurePanel {
       onRemove: this.#kept.length > 0 ? (index) => void this.#keep(this.#kept.filter((_, other) => other !== index)) : undefined,
     }));
     const measured = found.measurements[this.#chosen];
+    this.#told.replaceChildren(...(measured ? tellsOf(measured) : []));
     if (measured) this.#chart.show(chartOf({ measured, quantity: quantityText(found) }));
     linkTo(this.#csv, found.csv);
     linkTo(this.#profile, measured?.profile_csv ?? "");

@@ -1,6 +1,6 @@
 /** Measured parts as a table: extremes, mean and uniformity with their standard errors. */
 import { element } from "../dom.ts";
-import { formatValue } from "../format.ts";
+import { formatValue, shownUnit } from "../format.ts";
 import { capital } from "../image/look.ts";
 import type { Measurement, Measurements } from "../service/types.ts";
 import { kinds, pointsText } from "./outlines.ts";
@@ -15,7 +15,7 @@ export interface Choices {
 
 /** What is measured, with its unit. */
 export function quantityText({ quantity, unit }: Measurements): string {
-  return `${capital(quantity)}${unit ? `, ${unit.replace("m2", "m²")}` : ""}`;
+  return `${capital(quantity)}${unit ? `, ${shownUnit(unit)}` : ""}`;
 }
 
 export function tableOf(found: Measurements, choices: Choices): HTMLElement {

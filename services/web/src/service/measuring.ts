@@ -4,7 +4,7 @@ import type { Glare, Isolines, MeasuredRegions, Measurements, Outline } from "./
 
 /** What the parts that are kept with a render show, or the whole image where none are. */
 export async function measure(id: string, bins: number): Promise<Measurements> {
-  return getJson<"measure">(`${renderAddress(id)}:measure`, { method: "POST", body: JSON.stringify({ bins }) });
+  return getJson<"measure">(`${renderAddress(id)}:measure`, { method: "POST", body: JSON.stringify({ bins, colour: true }) });
 }
 
 /** Keeps these parts with the render instead of all that were kept. */

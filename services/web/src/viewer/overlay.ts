@@ -41,6 +41,8 @@ export class Overlay {
   readonly canvas = element("canvas", { class: "overlay", "aria-hidden": "true" });
   isolines: Isolines | undefined;
   outlines: readonly Outline[] = [];
+  /** Sources of glare. */
+  marks: readonly Outline[] = [];
   /** What is being drawn. */
   draft: Outline | undefined;
   /** Where light of the first side's render may be missing. */
@@ -51,7 +53,7 @@ export class Overlay {
     const values = showsValues(seen) ? seen.image : undefined;
     const outlines = this.draft ? [...this.outlines, this.draft] : this.outlines;
     const unmet = seen.side === "first" ? this.unmet : [];
-    const isEmpty = !values && !this.isolines && outlines.length === 0 && unmet.length === 0;
+    const isEmpty = !values && !this.isolines && outlines.length + this.marks.length + unmet.length === 0;
     if (isEmpty && this.#isEmpty) return;
     this.#isEmpty = isEmpty;
     // Also clears it.
@@ -76,6 +78,7 @@ export class Overlay {
     }
     // Over all lines.
     for (const { text, place } of labels) label(context, text, place, ratio);
+    for (const mark of this.marks) paintOutline(context, mark, at, ratio, drawn);
     for (const outline of outlines) paintOutline(context, outline, at, ratio, outline === this.draft ? drawn : ink);
   }
 }

@@ -112,6 +112,7 @@ function assemble(canvas: HTMLCanvasElement, node: HTMLElement, frame: HTMLEleme
   let refresh = (): void => undefined;
   let remember = (): void => undefined;
   const zoom = element("p", { class: "zoom" });
+  let hasImage = false;
   let viewer: Viewer;
   try {
     viewer = new Viewer(canvas, {
@@ -119,7 +120,8 @@ function assemble(canvas: HTMLCanvasElement, node: HTMLElement, frame: HTMLEleme
       onPaint: () => { overlay.paint({ image: viewer.images[side()], show: viewer.look.show, placement: viewer.placement, width: canvas.width, height: canvas.height, side: side() }); },
       onPlacement: ({ scale }) => {
         remember();
-        setText(zoom, `${Number((100 * scale).toPrecision(3))} %`);
+        // Without one, a single pixel stands for the film.
+        setText(zoom, hasImage ? `${Number((100 * scale).toPrecision(3))} %` : "");
       },
     });
   } catch (error) {
@@ -149,12 +151,10 @@ function assemble(canvas: HTMLCanvasElement, node: HTMLElement, frame: HTMLEleme
     viewer,
     inspector: numbers,
     learned,
-    measure: (now) => {
-      const { measured: before } = viewer.look;
-      if (before.unit !== now.unit || before.mean !== now.mean) viewer.change({ measured: now });
-    },
+    measure: (now) => { measureAs(viewer, now); },
     begin: (image) => {
       try {
+        hasImage = true;
         viewer.setImage("first", image);
         if (wanted.placement) viewer.place(wanted.placement);
         if (wanted.chosen) listener.onRegion(clipped(wanted.chosen, image));
@@ -165,6 +165,12 @@ function assemble(canvas: HTMLCanvasElement, node: HTMLElement, frame: HTMLEleme
       }
     },
   };
+}
+
+/** Changes what is shown where it is another quantity, or its mean is known. */
+function measureAs(viewer: Viewer, now: Measured): void {
+  const { measured: before } = viewer.look;
+  if (before.unit !== now.unit || before.mean !== now.mean) viewer.change({ measured: now });
 }
 
 /** What should look white: the chosen region, or the pixel looked at. */

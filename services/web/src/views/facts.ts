@@ -1,8 +1,8 @@
 /** The figures of one render. */
 import { element, setText } from "../dom.ts";
-import { formatCount, formatDuration, formatRelativeError, formatSamples, formatValue } from "../format.ts";
+import { formatCount, formatDuration, formatRelativeError, formatSamples, formatValue, shownUnit } from "../format.ts";
 import { costOf } from "../service/price.ts";
-import { elapsedSeconds } from "../service/clock.ts";
+import { elapsedSeconds, serviceNow } from "../service/clock.ts";
 import { hasEnded, type Render } from "../service/types.ts";
 
 const errorMeaning =
@@ -50,6 +50,7 @@ const facts: Fact[] = [
   { label: "Tags", value: ({ tags }) => tags.join(", ") || "–", meaning: "Words to sort renders by; the list finds them." },
   { label: "Layers", value: ({ layers }) => layers.join(", ") || "–", meaning: "Extra channels of the EXR: properties of the surfaces in the image." },
   { label: "Engine", value: ({ engine }) => `${engine}`, meaning: "Version of the tracing engine: images of the same scene by different ones have different bits." },
+  { label: "Wavelengths", value: ({ first_nm, last_nm }) => `${first_nm} to ${last_nm}\u00a0nm`, meaning: "Of the scene's light; others are in no number here." },
   { label: "Film", value: (render) => `${render.width} × ${render.height}` },
 ];
 
@@ -73,12 +74,12 @@ export function factsList(): { node: HTMLElement; show: (render: Render) => void
 function meanText({ progress: { mean, mean_error }, unit }: Render): string {
   if (mean <= 0) return "–";
   const interval = mean_error > 0 ? `\u00a0±\u00a0${formatValue(1.96 * mean_error, 2)}` : "";
-  return `${formatValue(mean, 4)}${interval} ${unit.replace("m2", "m²")}`.trimEnd();
+  return `${formatValue(mean, 4)}${interval} ${shownUnit(unit)}`.trimEnd();
 }
 
 function timeLeft(render: Render): string {
   const end = render.progress.predicted_end;
-  return hasEnded(render) || end <= 0 ? "–" : formatDuration(Math.max(0, end - Date.now() / 1000));
+  return hasEnded(render) || end <= 0 ? "–" : formatDuration(Math.max(0, end - serviceNow()));
 }
 
 /** While it runs the rate of now, afterwards the mean. */

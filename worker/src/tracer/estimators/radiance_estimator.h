@@ -93,14 +93,9 @@ class RadianceEstimator {
   /// sr-1 nm-1.
   Spectral<N> radiance(std::size_t sample) const { return rounded(radiance_[sample]); }
 
-  /// What of it is of some light groups, or else direct; for what responses count alone.
+  /// What of it is of a light group, or else direct; only where some response counts that.
   Spectral<N> radiance(std::size_t sample, const CountedLight& light) const {
-    if (light.groups.empty()) return rounded(direct_[sample]);
-    Tally sum{};
-    for (const std::uint32_t light_group : light.groups) {
-      add_scaled(sum, Spectral<N>(1.0f), of_group(sample, light_group));
-    }
-    return rounded(sum);
+    return rounded(light.group ? of_group(sample, *light.group) : direct_[sample]);
   }
 
  private:

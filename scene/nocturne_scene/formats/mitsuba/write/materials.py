@@ -13,7 +13,7 @@ from nocturne_scene.formats.writing.compiled import Body, one_alpha
 from nocturne_scene.formats.writing.tables import Table
 
 # Materials that Mitsuba has for both sides of a surface at once.
-_THROUGH = ("dielectric", "thin_pane", "null_kernel")
+_THROUGH = ("dielectric", "coated_dielectric", "thin_pane", "glazing", "null_kernel")
 
 
 def material(context: Context, surface: scene_pb2.Surface, body: Body | None, place: str) -> Element:
@@ -85,7 +85,10 @@ class _Sides:
                 return self._blend(kernel.blend, self._one)
             case "null_kernel":
                 return plugin("bsdf", "null")
-        self._lost(f"the kernel {model} has no equal in Mitsuba")
+            case "coated_conductor" | "coated_dielectric":
+                self._lost("a coating has no equal in Mitsuba")
+            case _:
+                self._lost(f"the kernel {model} has no equal in Mitsuba")
         return plugin("bsdf", "diffuse")
 
     def _conductor(self, conductor: scene_pb2.Conductor) -> Element:

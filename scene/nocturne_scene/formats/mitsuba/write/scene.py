@@ -17,6 +17,7 @@ from nocturne_scene.formats.mitsuba.write.shapes import add_surfaces
 from nocturne_scene.formats.reading.scene_writer import SceneWriter
 from nocturne_scene.formats.writing import skies
 from nocturne_scene.formats.writing.compiled import Body, Compiled, array
+from nocturne_scene.formats.writing.placed_bodies import refuse_bodies_across_film, refuse_overlaps
 from nocturne_scene.formats.writing.tables import Table
 from nocturne_scene.spectra.published import visible_wavelengths
 
@@ -48,8 +49,9 @@ def export_mitsuba(compiled: Compiled, writer: SceneWriter, film: Film) -> str:
     for name, value in (("spp", str(film.samples)), ("sampler", "independent")):
         root.append(Element("default", {"name": name, "value": value}))
     context = Context(compiled, writer, compiled.findings, root)
-    compiled.refuse_overlaps()
+    refuse_overlaps(compiled)
     compiled.refuse_other_sensors()
+    refuse_bodies_across_film(compiled, film)
     around = compiled.everywhere()
     root.append(_integrator(compiled))
     root.append(_sensor(context, film, around))

@@ -133,6 +133,8 @@ class _Maker:
                 return self._coated(kernel.coated_diffuse)
             case "null_kernel":
                 self._lost("a null kernel inside of a blend other than a mask has no equal in pbrt")
+            case "coated_conductor" | "coated_dielectric":
+                self._lost("a coating has no equal in pbrt")
             case model:
                 self._lost(f"the kernel {model} has no equal in pbrt")
         return ["diffuse"]

@@ -23,6 +23,7 @@ from nocturne_scene.formats.pbrt.write.shapes import add_surfaces
 from nocturne_scene.formats.reading.scene_writer import SceneWriter
 from nocturne_scene.formats.writing import skies
 from nocturne_scene.formats.writing.compiled import Body, Compiled, array
+from nocturne_scene.formats.writing.placed_bodies import refuse_bodies_across_film, refuse_overlaps
 from nocturne_scene.formats.writing.tables import Array
 
 _ABOUT = "# For pbrt-v4. Its image's Y is the luminance in cd/m2."
@@ -34,8 +35,9 @@ _NO_LIMIT = 100_000
 def export_pbrt(compiled: Compiled, writer: SceneWriter, film: Film) -> str:
     """Write scene.pbrt and its files; return its name. Losses are among the findings."""
     context = Context(compiled, writer, compiled.findings)
-    compiled.refuse_overlaps()
+    refuse_overlaps(compiled)
     compiled.refuse_other_sensors()
+    refuse_bodies_across_film(compiled, film)
     around = compiled.everywhere()
     add_surfaces(context, around)
     _add_environment(context)

@@ -1,0 +1,36 @@
+/** What is told of a part beside its values: daylight factor, and the colour of its light. */
+import { element } from "../dom.ts";
+import { formatValue } from "../format.ts";
+import { capital } from "../image/look.ts";
+import type { Measurement } from "../service/types.ts";
+
+/** Empty where nothing is known. */
+export function tellsOf({ colour, daylight_factor: daylight, minimum, maximum }: Measurement): HTMLElement[] {
+  const rows = colour.map(({ name, value, standard_error: error, unit }) =>
+    row(capital(name), value === null ? "–" : `${withError(value, error)} ${unit.replace("m-2", "m⁻²").replace("m2", "m²")}`));
+  if (daylight) {
+    rows.unshift(
+      row("Daylight factor", `${withError(daylight.mean, daylight.mean_error)} %`),
+      row("Least daylight factor", `${withError(daylight.minimum, daylight.minimum_error)} %`),
+    );
+  }
+  if (minimum.place && maximum.place) {
+    rows.unshift(row("Darkest at", placeText(minimum.place)), row("Brightest at", placeText(maximum.place)));
+  }
+  if (rows.length === 0) return [];
+  const caption = element("caption", {}, "Of the light that arrives; after ±: one standard error");
+  return [element("table", {}, caption, element("tbody", {}, ...rows))];
+}
+
+/** x, y, z in metres, to the millimetre. */
+function placeText(place: readonly number[]): string {
+  return `${place.map((value) => `${Number(value.toFixed(3))}`).join(", ")} m`;
+}
+
+function row(name: string, value: string): HTMLElement {
+  return element("tr", {}, element("th", { scope: "row" }, name), element("td", {}, value.trim()));
+}
+
+function withError(value: number, error: number | null): string {
+  return error === null ? formatValue(value, 5) : `${formatValue(value, 5)} ± ${formatValue(error, 2)}`;
+}
