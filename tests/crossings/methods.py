@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
+from unittest.mock import patch
 
 import numpy as np
 import numpy.typing as npt
@@ -151,6 +152,10 @@ def traced(
 
 def _scheduled(document: Document, scene: Scene, folder: Path, samples: int) -> CompiledFolder:
     tracing = document["tracing"]
+    if tracing.get("direction") == "adjoint":
+        # A pilot has nothing to choose. It would only warn, which takes as long as the photons themselves.
+        with patch("nocturne_scene.compile.ways.find_program", return_value=None):
+            return compiled(document, scene, folder, samples)
     if tracing.get("direction") != "auto":
         forward = tracing.get("direction") == "forward"
         return compiled(document, scene, folder, samples * (_FORWARD if forward else 1))

@@ -14,7 +14,7 @@ from nocturne_scene.errors import InputError
 from nocturne_scene.media import presets, rayleigh
 from nocturne_scene.quantities import quantity_named, quantity_of
 from nocturne_scene.scene_ranges import range_of, schedule_of, wavelengths_of
-from nocturne_scene.spectra import published, solar, sun
+from nocturne_scene.spectra import indices, published, solar, sun
 from nocturne_scene.spectra.constants import AVOGADRO
 from nocturne_scene.spectra.named_responses import RESPONSES
 from nocturne_scene.spectra.published import _colour
@@ -331,3 +331,12 @@ def test_light_between_two_whole_nm_is_light(compiled: Compile) -> None:
     dark = {"table": [[850.2, 0.0], [850.4, 1.0], [850.6, 0.0]], "outside": "zero"}
     with pytest.raises(InputError, match="no luminaire emits visible light"):
         compiled(meter(None, dark))
+
+
+@pytest.mark.parametrize("glass", indices.dielectrics())
+def test_every_glass_has_an_index_from_200_to_2500_nm(glass: str) -> None:
+    """N-SF11's formula has a pole at 250 nm, and no index from there to 237 nm."""
+    glass_n, (first, _) = indices.dielectric(glass).n, indices.dielectric(glass).valid
+    compiled = indices.compile_dielectric(glass_n, ALL)
+    assert compiled.values[0] == pytest.approx(float(glass_n(np.array([max(200.0, min(first, 360.0))]))[0]))
+    assert list(compiled.values) == sorted(compiled.values, reverse=True)

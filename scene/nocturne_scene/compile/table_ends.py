@@ -28,7 +28,7 @@ _Ends = tuple[float, float]
 
 _HELD = "the values at its ends are held beyond"
 _DARK = "it is dark beyond"
-_CONTINUED = "its formula is continued beyond"
+_CONTINUED = f"its formula is continued to longer waves and down to {VISIBLE.first:g} nm, and held below"
 _LIGHTS = frozenset({"radiance", "irradiance"})
 
 

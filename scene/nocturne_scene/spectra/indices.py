@@ -32,7 +32,8 @@ class Index:
     n: Callable[[Floats], Floats]
     k: Callable[[Floats], Floats]
     source: str
-    # nm within which the source vouches for it. Beyond, a formula is continued and a table is held.
+    # nm within which the source vouches for it. Beyond, a table is held. A formula is continued, but not to
+    # less than 360 nm, below which it is held.
     valid: tuple[float, float]
 
 
@@ -51,7 +52,10 @@ def dielectric(name: str) -> Index:
     entry = data_file("indices.toml")["dielectrics"][name]
     formula = entry["sellmeier"]
     first, last = entry["range_nm"]
-    return Index(sellmeier(formula["b"], formula["c_um2"]), _zero, entry["source"], (first, last))
+    n = sellmeier(formula["b"], formula["c_um2"])
+    # In the ultraviolet lie the formula's poles, where it is no index.
+    lowest = min(first, VISIBLE.first)
+    return Index(lambda at: n(np.maximum(at, lowest)), _zero, entry["source"], (first, last))
 
 
 def metal(name: str) -> Index:

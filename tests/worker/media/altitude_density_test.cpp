@@ -49,26 +49,30 @@ TEST(Ground, AltitudeFallsAndRisesWhereItSays) {
   }
 }
 
+float at(const AltitudeDensity& density, Vec3 p) {
+  return AltitudeMajorants(density, {p, {1, 0, 0}}, 1.0f).density(0.0f);
+}
+
 TEST(AltitudeDensity, FollowsItsFormula) {
   const auto air = AltitudeDensity::exponential(kPlanet, 8'000.0);
-  EXPECT_FLOAT_EQ(air.at({0, 0, 0}), 1.0f);
-  EXPECT_FLOAT_EQ(air.at({0, 0, 8'000}), std::exp(-1.0f));
-  EXPECT_FLOAT_EQ(air.at({0, 0, -400}), std::exp(0.05f));
+  EXPECT_FLOAT_EQ(at(air, {0, 0, 0}), 1.0f);
+  EXPECT_FLOAT_EQ(at(air, {0, 0, 8'000}), std::exp(-1.0f));
+  EXPECT_FLOAT_EQ(at(air, {0, 0, -400}), std::exp(0.05f));
   // 10 km along the ground, the planet falls away by 7.848 m.
-  EXPECT_NEAR(air.at({10'000, 0, 0}), std::exp(-7.848 / 8'000.0), 1e-7);
-  EXPECT_EQ(air.at({0, 0, 1e6f}), 0.0f);
+  EXPECT_NEAR(at(air, {10'000, 0, 0}), std::exp(-7.848 / 8'000.0), 1e-7);
+  EXPECT_EQ(at(air, {0, 0, 1e6f}), 0.0f);
   // A millimetre on a planet.
   const auto film = AltitudeDensity::exponential(kPlanet, 1e-3);
-  EXPECT_FLOAT_EQ(film.at({0, 0, 1e-3f}), std::exp(-1.0f));
-  EXPECT_FLOAT_EQ(film.at({0.5f, 0.0f, 2e-3f}),
+  EXPECT_FLOAT_EQ(at(film, {0, 0, 1e-3f}), std::exp(-1.0f));
+  EXPECT_FLOAT_EQ(at(film, {0.5f, 0.0f, 2e-3f}),
                   static_cast<float>(std::exp(-(2e-3 + 0.125 / kEarth) / 1e-3)));
 
   const auto layer = AltitudeDensity::table(kFlat, {1.0, 2.0, 4.0}, {0.0f, 3.0f, 1.0f});
-  EXPECT_EQ(layer.at({5, 5, 0.99f}), 0.0f);
-  EXPECT_FLOAT_EQ(layer.at({5, 5, 1.5f}), 1.5f);
-  EXPECT_FLOAT_EQ(layer.at({5, 5, 3.0f}), 2.0f);
-  EXPECT_FLOAT_EQ(layer.at({5, 5, 4.0f}), 1.0f);
-  EXPECT_EQ(layer.at({5, 5, 4.01f}), 0.0f);
+  EXPECT_EQ(at(layer, {5, 5, 0.99f}), 0.0f);
+  EXPECT_FLOAT_EQ(at(layer, {5, 5, 1.5f}), 1.5f);
+  EXPECT_FLOAT_EQ(at(layer, {5, 5, 3.0f}), 2.0f);
+  EXPECT_FLOAT_EQ(at(layer, {5, 5, 4.0f}), 1.0f);
+  EXPECT_EQ(at(layer, {5, 5, 4.01f}), 0.0f);
 }
 
 std::vector<AltitudeDensity> several() {
@@ -136,6 +140,27 @@ TEST(AltitudeMajorants, AreCloseEnoughToPay) {
   EXPECT_LE(test::segments(table, {{0, 0, 0}, {0, 0, 1}}, 1e6f).size(), 40u);
 }
 
+// From so far that a position in single precision knows its altitude to two scale heights.
+TEST(AltitudeMajorants, AreCloseFarAway) {
+  constexpr double kHeight = 2.4;
+  const auto fog = AltitudeDensity::exponential(kFlat, kHeight);
+  for (const Vec3 d :
+       {Vec3{0.8f, 0.0f, -0.6f}, Vec3{0.0f, 0.0f, -1.0f}, Vec3{-0.6f, 0.64f, -0.48f}}) {
+    const Ray ray{-6e7f * d, d};
+    const AltitudeAlong altitude(kFlat, ray.origin, ray.direction);
+    double from = 0.0, bounded = 0.0, there = 0.0;
+    for (const MajorantSegment& s : test::segments(fog, ray, 6.0000004e7f)) {
+      const double to = static_cast<double>(s.end);
+      bounded += static_cast<double>(s.majorant) * (to - from);
+      there += kHeight / -static_cast<double>(d.z) *
+               (std::exp(-altitude(to) / kHeight) - std::exp(-altitude(from) / kHeight));
+      from = to;
+    }
+    EXPECT_LT(bounded, 4.0 * there) << d.z;
+    EXPECT_GE(bounded, there) << d.z;
+  }
+}
+
 // Along the fog without end: each bound is the density there, though rounding could become
 // arbitrarily large.
 TEST(AltitudeMajorants, StayLowOnLevelRays) {
@@ -183,7 +208,7 @@ TEST(ConstantDensity, IsOneSegment) {
   const auto s = test::segments(density, {{1, 2, 3}, {0, 0, 1}}, 7.0f);
   ASSERT_EQ(s.size(), 1u);
   EXPECT_EQ(s[0].majorant, 0.5f);
-  EXPECT_EQ(density.at({1, 2, 3}), 0.5f);
+  EXPECT_EQ(ConstantMajorants(density, {{1, 2, 3}, {0, 0, 1}}, 7.0f).density(2.0f), 0.5f);
 }
 
 TEST(AltitudeDensity, RefusesWhatIsNone) {

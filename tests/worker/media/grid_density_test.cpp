@@ -215,7 +215,7 @@ TEST(GridMajorants, CellsGrowWithEmptySpace) {
       },
       {0, 0, 0}, {900'000, 0, 0});
   const GridDensity density(field(spread));
-  EXPECT_EQ(density.at({900'000.0f, 0.0f, 0.0f}), 3.0f);
+  EXPECT_EQ(density.field().at({900'000.0f, 0.0f, 0.0f}), 3.0f);
   EXPECT_GT(density.cell(), 8);
   double taken = 0.0, from = 0.0;
   for (const auto& s : test::segments(density, {{-10, 0, 0}, {1, 0, 0}}, 1e6f)) {

@@ -44,6 +44,7 @@ std::vector<MajorantSegment> segments(const Density& density, const Ray& ray, fl
 template <class Density>
 void expect_bounds_hold(const Density& density, const Ray& ray, float end, std::uint32_t seed,
                         int in_each = 12) {
+  const typename Density::Majorants along(density, ray, end);
   float from = 0.0f;
   std::uint32_t i = 0;
   for (const MajorantSegment& s : segments(density, ray, end)) {
@@ -54,7 +55,7 @@ void expect_bounds_hold(const Density& density, const Ray& ray, float end, std::
       if (k == 0) t = from;
       if (k == 1) t = std::nextafter(to, from);
       if (k == 2) t = from + 1e-5f * u * (to - from);
-      const float here = density.at(ray.origin + t * ray.direction);
+      const float here = along.density(t);
       ASSERT_LE(here, s.majorant) << "at " << t << " in [" << from << ", " << s.end << ")";
     }
     from = s.end;
@@ -64,13 +65,14 @@ void expect_bounds_hold(const Density& density, const Ray& ray, float end, std::
 /// Ratio of the integrated majorant to the integrated density.
 template <class Density>
 double waste(const Density& density, const Ray& ray, float end) {
+  const typename Density::Majorants along(density, ray, end);
   double bound = 0.0, there = 0.0, from = 0.0;
   for (const MajorantSegment& s : segments(density, ray, end)) {
     const double to = static_cast<double>(s.end);
     bound += static_cast<double>(s.majorant) * (to - from);
     for (int k = 0; k < 1000; ++k) {
       const auto t = static_cast<float>(from + (k + 0.5) / 1000.0 * (to - from));
-      there += static_cast<double>(density.at(ray.origin + t * ray.direction)) * (to - from) / 1000;
+      there += static_cast<double>(along.density(t)) * (to - from) / 1000;
     }
     from = to;
   }

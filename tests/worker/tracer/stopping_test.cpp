@@ -64,10 +64,10 @@ struct NothingBelowAMajorant {
       segment = {end, 1.0f};
       return !std::exchange(given, true);
     }
+    float density(float) const { return 0.0f; }
     float end;
     bool given = false;
   };
-  float at(Vec3) const { return 0.0f; }
 };
 
 constexpr Ray kAlongX{{0, 0, 0}, {1, 0, 0}};

@@ -136,7 +136,7 @@ std::vector<std::size_t> AltitudeDensity::layers_of_table(double tolerance) cons
   return ends;
 }
 
-float AltitudeDensity::at_altitude(double altitude) const {
+float AltitudeDensity::at(double altitude) const {
   if (scale_height_ > 0.0) {
     const double heights = altitude / scale_height_;
     return heights > kHighest ? 0.0f : static_cast<float>(math::exp(-std::max(kLowest, heights)));
@@ -150,11 +150,14 @@ float AltitudeDensity::at_altitude(double altitude) const {
 }
 
 float AltitudeDensity::majorant_between(double low, double high) const {
-  if (scale_height_ > 0.0) return at_altitude(low) * kRoundedUp;
-  auto i = static_cast<std::size_t>(std::ranges::lower_bound(edges_, low) - edges_.begin());
+  if (scale_height_ > 0.0) return at(low) * kRoundedUp;
+  // A ray that leaves an edge has left the layer on the other side; one that is level is in both.
+  const bool level = low == high;
+  const auto first =
+      level ? std::ranges::lower_bound(edges_, low) : std::ranges::upper_bound(edges_, low);
+  auto i = static_cast<std::size_t>(first - edges_.begin());
   float majorant = majorant_[i];
-  // A ray that falls from an edge has left the layer above; one that is level is in both.
-  const auto reaches = [&](double edge) { return edge < high || (edge == high && low == high); };
+  const auto reaches = [&](double edge) { return edge < high || (edge == high && level); };
   for (; i < edges_.size() && reaches(edges_[i]); ++i)
     majorant = std::max(majorant, majorant_[i + 1]);
   return majorant;
@@ -162,23 +165,8 @@ float AltitudeDensity::majorant_between(double low, double high) const {
 
 AltitudeMajorants::AltitudeMajorants(const AltitudeDensity& density, const Ray& ray, float end)
     : density_(&density), altitude_(density.ground_, ray.origin, ray.direction), end_(end) {
-  // A product and a sum, each right to 6e-8 in every coordinate: with room to spare.
-  constexpr double kRounding = 4e-7;
-  const Double3 o(ray.origin), d(ray.direction), up = density.ground_.up;
-  const bool flat = density.ground_.radius == 0.0;
-  const auto along = [&](Double3 v) {
-    return flat ? std::fabs(v.x * up.x) + std::fabs(v.y * up.y) + std::fabs(v.z * up.z) : length(v);
-  };
-  reach_ = kRounding * along(o);
-  per_metre_ = kRounding * along(d);
   const auto above = std::ranges::upper_bound(density.edges_, altitude_(0.0));
   layer_ = static_cast<std::size_t>(above - density.edges_.begin());
-  // As far over an edge as rounding reaches, the denser layer below has not ended: a path from
-  // there out of all layers would have its bound without end.
-  while (layer_ > 0 && density.majorant_[layer_ - 1] > density.majorant_[layer_] &&
-         altitude_(0.0) < density.edges_[layer_ - 1] + 2.0 * reach_) {
-    --layer_;
-  }
 }
 
 bool AltitudeMajorants::advance(MajorantSegment& segment) {
@@ -193,58 +181,32 @@ bool AltitudeMajorants::advance(MajorantSegment& segment) {
 float AltitudeMajorants::way_out() {
   const std::vector<double>& edges = density_->edges_;
   for (;;) {
-    float out = end_;
+    double out = AltitudeAlong::kNever;
     std::size_t next = layer_;
     if (!rising_) {
-      const double t = layer_ > 0 ? crossing(layer_ - 1, false) : AltitudeAlong::kNever;
-      if (t == AltitudeAlong::kNever) {
+      if (layer_ > 0) out = altitude_.falls_to(edges[layer_ - 1]);
+      if (out == AltitudeAlong::kNever) {
         rising_ = true;
         continue;
       }
-      out = static_cast<float>(t);
       next = layer_ - 1;
     } else if (layer_ < edges.size()) {
-      out = static_cast<float>(crossing(layer_, true));
+      out = altitude_.rises_to(edges[layer_]);
       next = layer_ + 1;
     }
-    if (next != layer_ && out <= at_) {
-      layer_ = next;
-      continue;
-    }
-    // Far away, where rounding is more than a layer, only as far again.
-    if (layer_ > 0 && layer_ < edges.size() && per_metre_ > 0.0) {
-      const double thin = 0.25 * (edges[layer_] - edges[layer_ - 1]);
-      const auto far = static_cast<float>(
-          std::max(2.0 * static_cast<double>(at_), (thin - reach_) / per_metre_));
-      if (far < out && far > at_) return std::min(far, end_);
-    }
-    if (!(out < end_)) return end_;
+    if (!(out < static_cast<double>(end_))) return end_;
     layer_ = next;
-    return out;
+    // Layers that are thinner than distances are rounded are left together.
+    if (static_cast<float>(out) > at_) return std::min(static_cast<float>(out), end_);
   }
-}
-
-// Where the ray is over an edge: while all that rounding can reach has the higher bound.
-double AltitudeMajorants::crossing(std::size_t edge, bool rising) const {
-  const double h = density_->edges_[edge];
-  const auto to = [&](double altitude) {
-    return rising ? altitude_.rises_to(altitude) : altitude_.falls_to(altitude);
-  };
-  const double t = to(h);
-  if (t == AltitudeAlong::kNever) return t;
-  const bool denser_below = density_->majorant_[edge] > density_->majorant_[edge + 1];
-  const double room = 2.0 * reach(std::fmax(0.0, t));
-  return to(denser_below ? h + room : h - room);
 }
 
 float AltitudeMajorants::majorant_between(float from, float to) const {
   constexpr double kFar = 1e18;
   const double t0 = static_cast<double>(from), t1 = std::fmin(static_cast<double>(to), kFar);
   const double middle = std::clamp(altitude_.lowest(), t0, std::fmax(t0, t1));
-  const double h0 = altitude_(t0), h1 = altitude_(t1), hm = altitude_(middle);
-  const double low = std::min({h0 - reach(t0), hm - reach(middle), h1 - reach(t1)});
-  const double high = std::max(h0 + reach(t0), h1 + reach(t1));
-  return density_->majorant_between(low, high);
+  const double h0 = altitude_(t0), h1 = altitude_(t1);
+  return density_->majorant_between(std::min({h0, altitude_(middle), h1}), std::max(h0, h1));
 }
 
 }  // namespace nocturne

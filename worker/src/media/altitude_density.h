@@ -25,8 +25,7 @@ class AltitudeDensity {
   static AltitudeDensity table(const Ground& ground, std::vector<double> altitudes,
                                std::vector<float> densities);
 
-  float at(Vec3 p) const { return at_altitude(ground_.altitude(p)); }
-  float at_altitude(double altitude) const;
+  float at(double altitude) const;
 
  private:
   friend class AltitudeMajorants;
@@ -53,6 +52,11 @@ class AltitudeMajorants {
  public:
   /// `end` may be infinite. `density` must outlive this.
   AltitudeMajorants(const AltitudeDensity& density, const Ray& ray, float end);
+  /// By the altitude in double precision: far away, a position in single precision may be many
+  /// scale heights off.
+  float density(float distance) const {
+    return density_->at(altitude_(static_cast<double>(distance)));
+  }
   bool next(MajorantSegment& segment) {
     return empty_.next(segment, [this](MajorantSegment& s) { return advance(s); });
   }
@@ -60,14 +64,10 @@ class AltitudeMajorants {
  private:
   bool advance(MajorantSegment& segment);
   float way_out();
-  double crossing(std::size_t edge, bool rising) const;
-  double reach(double t) const { return reach_ + per_metre_ * t; }
   float majorant_between(float from, float to) const;
 
   const AltitudeDensity* density_;
   AltitudeAlong altitude_;
-  // What rounding to single precision can do to the altitude of a position along the ray.
-  double reach_, per_metre_;
   float at_ = 0.0f, end_;
   std::size_t layer_;
   bool rising_ = false;

@@ -153,7 +153,7 @@ void GridDensity::raise(const std::array<std::int64_t, 3>& first,
 }
 
 GridMajorants::GridMajorants(const GridDensity& density, const Ray& ray, float end)
-    : density_(&density), end_(end), in_(0.0), out_(static_cast<double>(end)) {
+    : density_(&density), ray_(ray), end_(end), in_(0.0), out_(static_cast<double>(end)) {
   const GridField& field = density.field_;
   const double size = 1.0 / static_cast<double>(density.cell_);
   origin_ = size * (field.to_index() * Double3(ray.origin) + field.shift()) -

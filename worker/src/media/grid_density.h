@@ -51,7 +51,6 @@ class GridDensity {
   /// where they would take more than an eighth of the grid's memory (or a megabyte).
   explicit GridDensity(GridField field, std::int64_t cell = 8);
 
-  float at(Vec3 p) const { return field_.at(p); }
   const GridField& field() const { return field_; }
   std::int64_t cell() const { return cell_; }
 
@@ -79,6 +78,9 @@ class GridMajorants {
  public:
   /// `density` must outlive this.
   GridMajorants(const GridDensity& density, const Ray& ray, float end);
+  float density(float distance) const {
+    return density_->field().at(ray_.origin + distance * ray_.direction);
+  }
   bool next(MajorantSegment& segment) {
     return empty_.next(segment, [this](MajorantSegment& s) { return advance(s); });
   }
@@ -89,6 +91,7 @@ class GridMajorants {
   void step();
 
   const GridDensity* density_;
+  Ray ray_;
   float at_ = 0.0f, end_;
   // Where the ray is among the cells, and where it enters and leaves them.
   Double3 origin_, direction_;

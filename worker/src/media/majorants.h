@@ -1,8 +1,8 @@
 // How dense a medium can be along a ray, which delta tracking asks: Woodcock et al., "Techniques
 // used in the GEM code for Monte Carlo neutronics calculations", ANL-7050, 1965.
 //
-// Every density has `float at(Vec3) const` and a walk `Majorants(density, ray, end)` whose segments
-// tile [0, end). A bound holds where a position along the ray is rounded to single precision, too.
+// Every density has a walk `Majorants(density, ray, end)`, whose segments tile [0, end), and which
+// tells the density at a distance along the ray.
 #pragma once
 
 #include <optional>
@@ -51,8 +51,6 @@ struct ConstantDensity {
   using Majorants = ConstantMajorants;
   /// Not negative.
   float value;
-
-  float at(Vec3) const { return value; }
 };
 
 class ConstantMajorants {
@@ -60,6 +58,7 @@ class ConstantMajorants {
   ConstantMajorants(const ConstantDensity& density, const Ray&, float end)
       : segment_{end, density.value}, left_(end > 0.0f) {}
 
+  float density(float) const { return segment_.majorant; }
   bool next(MajorantSegment& segment) {
     segment = segment_;
     return std::exchange(left_, false);

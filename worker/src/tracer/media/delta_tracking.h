@@ -68,8 +68,7 @@ bool for_each_tentative(const Density& density, float extinction, const Ray& ray
       position += depth / majorant;
       depth = exponential(numbers());
       // Rounding may lift a density above its majorant by a unit in the last place.
-      const float here =
-          std::min(density.at(ray.origin + position * ray.direction), segment.majorant);
+      const float here = std::min(majorants.density(position), segment.majorant);
       if (!f(Tentative{position, here, majorant})) return true;
       if (++tried % PathLimits::kTentativeUnwatched == 0) {
         limits.check_stop();

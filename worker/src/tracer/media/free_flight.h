@@ -103,13 +103,10 @@ class FreeFlight {
     if (i == kNone) return std::nullopt;
     const Present& present = present_[i];
     const float depth = depths_[i], all = -math::expm1(-depth), at = -math::log1p(-u[0] * all);
-    const auto [distance, majorant] = place(i, ray, end, at);
+    const auto [distance, of_majorant] = place(i, ray, end, at);
     if (!(distance < end)) return std::nullopt;
-    const Vec3 position = ray.origin + distance * ray.direction;
-    const float here = std::visit([&](const auto& d) { return std::min(d.at(position), majorant); },
-                                  scene_.media[present.index].density);
-    const float factor = here / (majorant * largest(present.extinction)) * math::exp(at) * all *
-                         depth_ / (depth * chance * count);
+    const float factor = of_majorant / largest(present.extinction) * math::exp(at) * all * depth_ /
+                         (depth * chance * count);
     group.weight *= factor * present.extinction;
     transmit(group, ray, group.sequence.next(), distance);
     return hit_at(group, i, distance);
@@ -203,7 +200,8 @@ class FreeFlight {
             .v = 0.0f};
   }
 
-  // f(bound, from, end) for every segment of a medium along a ray; it says whether to go on.
+  // f(segment, where it begins, majorants) for every segment of a medium along a ray; it says
+  // whether to go on.
   template <class F>
   void for_each_segment(std::size_t i, const Ray& ray, float end, const F& f) const {
     std::visit(
@@ -211,7 +209,7 @@ class FreeFlight {
           typename std::remove_cvref_t<decltype(density)>::Majorants majorants(density, ray, end);
           float from = 0.0f;
           for (MajorantSegment segment; majorants.next(segment); from = segment.end) {
-            if (!f(segment.majorant, from, segment.end)) return;
+            if (!f(segment, from, majorants)) return;
           }
         },
         scene_.media[present_[i].index].density);
@@ -221,30 +219,35 @@ class FreeFlight {
   float majorant_depth(std::size_t i, const Ray& ray, float end) const {
     const float extinction = largest(present_[i].extinction);
     float depth = 0.0f;
-    for_each_segment(i, ray, end, [&](float majorant, float from, float to) {
-      if (majorant > 0.0f) depth += extinction * majorant * (to - from);
+    for_each_segment(i, ray, end, [&](const MajorantSegment& segment, float from, const auto&) {
+      if (segment.majorant > 0.0f) depth += extinction * segment.majorant * (segment.end - from);
       return depth < kThin;
     });
     return depth;
   }
 
-  struct MajorantPoint {
-    float distance, majorant;
+  struct Placed {
+    float distance;
+    /// The density there over the majorant.
+    float of_majorant;
   };
-  // Where that depth is reached.
-  MajorantPoint place(std::size_t i, const Ray& ray, float end, float depth) const {
+  // Where that depth of majorants is reached.
+  Placed place(std::size_t i, const Ray& ray, float end, float depth) const {
     const float extinction = largest(present_[i].extinction);
-    MajorantPoint found{end, 0.0f};
-    for_each_segment(i, ray, end, [&](float majorant, float from, float to) {
-      if (!(majorant > 0.0f)) return true;
-      const float here = extinction * majorant * (to - from);
-      if (depth >= here) {
-        depth -= here;
-        return true;
-      }
-      found = {from + depth / (extinction * majorant), majorant};
-      return false;
-    });
+    Placed found{end, 0.0f};
+    for_each_segment(
+        i, ray, end, [&](const MajorantSegment& segment, float from, const auto& along) {
+          const float majorant = segment.majorant;
+          if (!(majorant > 0.0f)) return true;
+          const float here = extinction * majorant * (segment.end - from);
+          if (depth >= here) {
+            depth -= here;
+            return true;
+          }
+          found.distance = from + depth / (extinction * majorant);
+          found.of_majorant = std::min(along.density(found.distance), majorant) / majorant;
+          return false;
+        });
     return found;
   }
 
