@@ -1,5 +1,6 @@
 """Mixes of light groups are the images that their samples would have made, with the errors of these."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -10,16 +11,15 @@ from nocturne_coordinator.output.images import Provenance, write_image
 from nocturne_coordinator.output.mixes import MIX, write_mix
 from nocturne_scene.compare.images import read_picture
 from nocturne_scene.errors import InputError
-from nocturne_scene.responses import group_channels, pair_channel
-from nocturne_scene.tile_sums import TileSums, Values
+from nocturne_scene.responses import group_channels
+from nocturne_scene.tile_sums import TileSums, factors_of_tile
 from numpy.typing import NDArray
 
 from tests.coordinator.service import read_channel
 
 _GROUPS = ("desk", "windows", "rest")
 _NAMES = [name for group in _GROUPS for name in group_channels(group)]
-_NAMES += [pair_channel(a, b) for a, b in (("desk", "windows"), ("desk", "rest"), ("windows", "rest"))]
-_SIZE, _SAMPLES = 8, 2000
+_SIZE, _SAMPLES = 4, 20_000
 
 
 def _samples() -> NDArray[np.float64]:
@@ -30,20 +30,25 @@ def _samples() -> NDArray[np.float64]:
     strength = chance.random((_SAMPLES, _SIZE, _SIZE))
     desk, windows = np.where(turns, 5.0 * strength, 0.0), np.where(turns, 0.0, 3.0)
     y = np.stack([desk, windows, 0.5 * desk + 0.1], axis=-1)
-    return np.asarray(y[..., None] * np.array([0.9, 1.0, 0.7]), dtype=np.float64)
+    # Warm and cold by wavelength, as a photon has one.
+    colour = np.where(
+        (chance.random((_SAMPLES, _SIZE, _SIZE)) < 0.5)[..., None], [1.5, 1.2, 0.1], [0.3, 0.8, 1.3]
+    )
+    return np.asarray(y[..., None] * colour[..., None, :], dtype=np.float64)
 
 
 def _write(path: Path, samples: NDArray[np.float64]) -> None:
-    whole, y = samples.sum(axis=3), samples[..., 1]
-    pairs = [y[..., a] + y[..., b] for a, b in ((0, 1), (0, 2), (1, 2))]
-    further = np.concatenate([samples.reshape(*samples.shape[:3], 9), np.stack(pairs, axis=-1)], axis=-1)
+    whole, further = samples.sum(axis=3), samples.reshape(*samples.shape[:3], 9)
     sums = TileSums.zeros(_SIZE, _SIZE, len(_NAMES))
     x, y_, z = np.moveaxis(whole, -1, 0)
     of_sample = np.stack([x, y_, z, y_ * y_, x * x, z * z, x * y_, x * z, y_ * z], axis=-1)
     sums.pixels[...] = np.concatenate([of_sample, further, np.square(further)], axis=-1).sum(axis=0)
+    of_tile = np.concatenate([whole, further], axis=-1).sum(axis=(1, 2))
+    one, other = factors_of_tile(len(_NAMES))
+    sums.tile_products[0] = (of_tile[:, one] * of_tile[:, other]).sum(axis=0)
     counts = np.full((_SIZE, _SIZE), _SAMPLES, dtype=np.uint32)
     squares = Squares(sums.block_products, sums.tile_products[None], _SIZE)
-    schedule = '{"tileSize":8}'
+    schedule = json.dumps({"tileSize": _SIZE, "furtherResponses": _NAMES})
     write_image(
         path, sums.pixels, counts, squares, Provenance("0" * 64, schedule, 2, quantity="illuminance"), _NAMES
     )
@@ -63,12 +68,18 @@ def test_a_mix_is_what_its_samples_make(tmp_path: Path, factors: dict[str, float
         assert read_channel(tmp_path / "mix.exr", axis) == pytest.approx(
             mixed.mean(axis=0)[..., index], rel=1e-5
         )
-        told: Values = read_channel(tmp_path / "mix.exr", f"{axis}.stderr")
-        if axis == "Y":
-            # One more find adds less than a thousandth.
-            assert told == pytest.approx(error[..., index], rel=2e-3)
-        else:
-            assert np.all(told >= 0.999 * error[..., index])
+        told = read_channel(tmp_path / "mix.exr", f"{axis}.stderr")
+        # Covariances are those of the tile's totals, whose own scatter is 1 / sqrt(20000); one more find adds
+        # less than a thousandth.
+        assert told == pytest.approx(error[..., index], rel=0.03)
+        assert np.square(told).sum() == pytest.approx(np.square(error[..., index]).sum(), rel=0.03)
+    for pair, (one, other) in {"XY": (0, 1), "XZ": (0, 2), "YZ": (1, 2)}.items():
+        deviations = mixed - mixed.mean(axis=0)
+        covariance = (deviations[..., one] * deviations[..., other]).mean(axis=0) / _SAMPLES
+        correlation = covariance / (error[..., one] * error[..., other])
+        for channel in ("correlation", "blockCorrelation"):
+            told = read_channel(tmp_path / "mix.exr", f"{pair}.{channel}")
+            assert told.mean() == pytest.approx(correlation.mean(), abs=0.05)
 
 
 def test_what_groups_have_in_common_counts(tmp_path: Path) -> None:

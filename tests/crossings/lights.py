@@ -95,10 +95,7 @@ def _photometric(draft: Draft) -> Document:
 
 def hidden(draft: Draft) -> Document:
     chance = draft.chance
-    made: Document = (
-        {"hidden_from": chance.pick(["camera", "camera_and_mirrors"])} if chance.maybe(0.2) else {}
-    )
-    return made | ({"light_group": chance.pick(["a", "b"])} if chance.maybe(0.2) else {})
+    return {"hidden_from": chance.pick(["camera", "camera_and_mirrors"])} if chance.maybe(0.2) else {}
 
 
 def environment(draft: Draft) -> Document:

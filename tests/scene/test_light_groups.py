@@ -1,6 +1,5 @@
 """Light groups become further responses; what can't be told apart is refused before anything is traced."""
 
-import itertools
 from typing import Any
 
 import pytest
@@ -8,10 +7,8 @@ from nocturne.v1 import scene_pb2
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.layers import CHANNELS
 from nocturne_scene.limits import MAX_FURTHER_RESPONSES
-from nocturne_scene.ranges import make_schedule
 from nocturne_scene.responses import TAKEN_LAYERS, light_groups_in
 from nocturne_scene.scene_ranges import schedule_of
-from nocturne_scene.tile_sums import numbers_in
 
 from .conftest import Compile, expect_problem
 
@@ -22,32 +19,44 @@ def _grouped(document: dict[str, Any], **groups: str) -> dict[str, Any]:
     return document
 
 
-def _counted(scene: scene_pb2.CompiledScene) -> dict[str, list[int]]:
-    return {each.name: list(each.light_groups) for each in scene.sensor.further_responses}
+def _counted(scene: scene_pb2.CompiledScene) -> dict[str, int | None]:
+    return {
+        each.name: each.light_group if each.HasField("light_group") else None
+        for each in scene.sensor.further_responses
+    }
 
 
-def test_each_group_and_each_two_have_responses(document: dict[str, Any], compiled: Compile) -> None:
+def test_each_group_has_responses(document: dict[str, Any], compiled: Compile) -> None:
     document["surfaces"][1]["luminaire"]["light_group"] = "desk"
     scene = compiled(_grouped(document))
     found = _counted(scene)
     assert found == {
-        **{f"desk.{axis}": [1] for axis in "XYZ"},
-        **{f"windows.{axis}": [2] for axis in "XYZ"},
-        "desk+windows.Y": [1, 2],
+        **{f"desk.{axis}": 1 for axis in "XYZ"},
+        **{f"windows.{axis}": 2 for axis in "XYZ"},
     }
     assert (scene.luminaires[0].light_group, scene.environment.light_group) == (1, 2)
-    assert scene.format == 7
+    assert scene.format == 8
     curves = {each.name: list(each.values) for each in scene.sensor.further_responses}
     assert curves["desk.X"] == list(scene.sensor.response_x)
-    assert curves["desk+windows.Y"] == curves["windows.Y"] == list(scene.sensor.response_y)
+    assert curves["desk.Y"] == curves["windows.Y"] == list(scene.sensor.response_y)
     assert light_groups_in(list(found)) == ["desk", "windows"]
 
 
 def test_lights_without_a_name_are_the_rest(document: dict[str, Any], compiled: Compile) -> None:
     scene = compiled(_grouped(document))
-    assert _counted(scene)["rest.Y"] == [0]
-    assert _counted(scene)["windows+rest.Y"] == [1, 0]
+    assert _counted(scene)["rest.Y"] == 0
     assert scene.luminaires[0].light_group == 0
+
+
+def test_lights_in_groups_of_surfaces_name_theirs(document: dict[str, Any], compiled: Compile) -> None:
+    """Each instance's lamp is of the same light group."""
+    lamp = document["surfaces"].pop(1)
+    lamp["luminaire"]["light_group"] = "row"
+    document["groups"] = {"lamps": [lamp]}
+    document["instances"] = [{"group": "lamps", "translate": [x, 0, 0]} for x in (0, 1)]
+    scene = compiled(document)
+    assert {each.light_group for each in scene.luminaires} == {1}
+    assert set(_counted(scene)) == {"row.X", "row.Y", "row.Z"}
 
 
 def test_without_names_nothing_is_told_apart(document: dict[str, Any], compiled: Compile) -> None:
@@ -80,31 +89,25 @@ def test_layers_are_no_groups() -> None:
     assert {name.split(".")[0] for names in CHANNELS.values() for name in names} <= TAKEN_LAYERS
 
 
-def test_31_groups_are_the_most(document: dict[str, Any], compiled: Compile, blobs: BlobStore) -> None:
-    lamp = document["surfaces"][1]
-    for count, allowed in ((31, True), (32, False)):
-        lamps = [
-            lamp | {"luminaire": lamp["luminaire"] | {"light_group": f"g{index}"}} for index in range(count)
-        ]
-        document["surfaces"][1:] = lamps
-        if allowed:
-            assert (
-                len(compiled(document).sensor.further_responses)
-                == 31 * 3 + 31 * 30 // 2
-                <= MAX_FURTHER_RESPONSES
-            )
-        else:
-            expect_problem(document, blobs, "$.sensor", "32 light groups need 592 further channels")
-
-
-def test_a_film_of_many_groups_is_refused_before_it_takes_memory() -> None:
-    """The largest film has as many sums in all: 2^26 pixels of 9."""
-    names = [f"g{index}.{axis}" for index in range(8) for axis in "XYZ"]
-    names += [f"g{a}+g{b}.Y" for a, b in itertools.combinations(range(8), 2)]
-    assert make_schedule(2048, 2048, 16, names).tile_size == 8
-    with pytest.raises(Exception, match="pixels; at most 5344953"):
-        make_schedule(4096, 2048, 16, names)
-    assert 8 * numbers_in(8, 8, len(names)) < 144 * 1024
+@pytest.mark.parametrize(
+    ("count", "named", "allowed"), [(20, True, True), (21, True, False), (20, False, False)]
+)
+def test_20_groups_are_the_most(
+    document: dict[str, Any], compiled: Compile, blobs: BlobStore, count: int, *, named: bool, allowed: bool
+) -> None:
+    lamp = document["surfaces"].pop(1)
+    lamps = [lamp | {"luminaire": lamp["luminaire"] | {"light_group": f"g{index}"}} for index in range(count)]
+    document["surfaces"] += lamps if named else [*lamps, lamp]
+    if allowed:
+        assert len(compiled(document).sensor.further_responses) == 3 * 20 == MAX_FURTHER_RESPONSES
+    else:
+        rest = "" if named else ', one of them "rest" (lights without a name)'
+        expect_problem(
+            document,
+            blobs,
+            "$.sensor",
+            f"21 light groups{rest}; at most 20, as each has three further responses",
+        )
 
 
 def test_the_schedule_has_their_names(document: dict[str, Any], compiled: Compile) -> None:

@@ -1,25 +1,26 @@
 """Mixes of light groups: the image of other dimming, from an EXR file whose channels tell groups apart.
 
-X, Y and Z are sums over groups of factor times channel. The error of Y is that of this sum: from the channel
-of each two groups together comes how far theirs go together, Cov(a, b) = (Var(a + b) - Var a - Var b) / 2,
-since one path may meet lamps of both, and of two lamps that a photon may be sent to it is sent to one. Errors
-of X and Z are at most what is written, the sum of factor times error; how X, Y and Z go together is not known
-of mixes, and 0 is written.
+X, Y and Z are sums over groups of factor times channel. The errors of groups go together, to both sides: one
+path may meet lamps of both, and of two lamps that a photon may be sent to it is sent to one. The file has
+correlations for each tile, of which pixels get covariances: in proportion to the product of both groups'
+errors there, and so that the sum over a tile's pixels is the tile's.
 """
 
 import json
 import math
-from collections.abc import Mapping
-from itertools import combinations
+from collections.abc import Mapping, Sequence
+from itertools import combinations_with_replacement
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
+import numpy.typing as npt
 import OpenEXR
+from nocturne_scene import response_correlations
 from nocturne_scene.errors import InputError
 from nocturne_scene.layers import CHANNELS
-from nocturne_scene.responses import group_channels, light_groups_in, pair_channel
-from nocturne_scene.tile_sums import PAIRS, Values
+from nocturne_scene.responses import group_channels, light_groups_in
+from nocturne_scene.tile_sums import PAIR_FIRST, PAIR_SECOND, PAIRS, Values, block_sums, tile_sums
 
 from nocturne_coordinator.output.images import linear_srgb, planes
 
@@ -35,7 +36,11 @@ _KEPT = (
     *(f"{axis}.{what}" for axis in "XYZ" for what in ("blockRatio", "ownRatio", "tileRatio")),
     *(name for names in CHANNELS.values() for name in names),
 )
-_CORRELATIONS = tuple(f"{pair}.{what}" for pair in PAIRS for what in ("correlation", "blockCorrelation"))
+_XYZ = len("XYZ")
+T = TypeVar("T", np.float32, np.float64)
+
+_BAND_PIXELS = 2**18
+"""Of an image that are mixed at once: their covariances take a hundred times as much memory."""
 
 Planes = Mapping[str, Values]
 
@@ -49,14 +54,16 @@ def write_mix(image: Path, output: Path, factors: Mapping[str, float]) -> None:
             channels: dict[str, Any] = {name: each.pixels for name, each in file.channels().items()}
     except (RuntimeError, OSError) as trouble:
         raise InputError.at(str(image), f"can't be read: {trouble}") from trouble
-    all_factors = _of_all_groups(str(image), light_groups_in(list(channels)), factors)
-    mean, error = mixed(channels, all_factors)
+    all_factors = _of_all_groups(str(image), light_groups_in(sorted(channels)), factors)
+    correlations = header.pop(response_correlations.ATTRIBUTE, "")
+    edge, together = _together(header, correlations, list(all_factors), channels["Y"].shape)
     found: dict[str, Any] = {name: channels[name] for name in _KEPT if name in channels}
-    names = ["X", "Y", "Z"]
-    found |= planes(names, mean.astype(np.float32))
-    found |= planes([f"{name}.stderr" for name in names], error.astype(np.float32))
-    found |= planes("RGB", linear_srgb(mean.astype(np.float32)))
-    found |= {name: np.zeros(mean.shape[:2], dtype=np.float32) for name in _CORRELATIONS}
+    rows = edge * max(1, _BAND_PIXELS // (edge * channels["Y"].shape[1]))
+    for first in range(0, channels["Y"].shape[0], rows):
+        band = {name: values[first : first + rows] for name, values in channels.items()}
+        of_tiles = together[first // edge : (first + rows) // edge]
+        for name, values in _channels(band, all_factors, edge, of_tiles).items():
+            found.setdefault(name, np.empty(channels["Y"].shape, np.float32))[first : first + rows] = values
     header = {name: value for name, value in header.items() if name != "channels"}
     header[MIX] = json.dumps(all_factors)
     try:
@@ -64,6 +71,21 @@ def write_mix(image: Path, output: Path, factors: Mapping[str, float]) -> None:
             file.write(str(output))
     except RuntimeError as trouble:
         raise OSError(f"can't write {output}: {trouble}") from trouble
+
+
+def _channels(channels: Planes, factors: Mapping[str, float], edge: int, together: Values) -> dict[str, Any]:
+    """Of some rows of tiles, what differs from the image."""
+    mean, covariance = mixed(channels, factors, edge, together)
+    names = ["X", "Y", "Z"]
+    error = np.sqrt(np.maximum(np.diagonal(covariance, axis1=-2, axis2=-1), 0.0))
+    found = planes(names, mean.astype(np.float32))
+    found |= planes([f"{name}.stderr" for name in names], error.astype(np.float32))
+    found |= planes("RGB", linear_srgb(mean.astype(np.float32)))
+    pairs = covariance[..., PAIR_FIRST, PAIR_SECOND]
+    found |= planes([f"{pair}.correlation" for pair in PAIRS], _correlation(pairs, error))
+    # Of a block as of its tile.
+    of_tile = _correlation(_in_tiles(pairs, edge), np.sqrt(_in_tiles(np.square(error), edge)))
+    return found | planes([f"{pair}.blockCorrelation" for pair in PAIRS], _spread(of_tile, edge, mean.shape))
 
 
 def _of_all_groups(place: str, groups: list[str], factors: Mapping[str, float]) -> dict[str, float]:
@@ -80,34 +102,102 @@ def _of_all_groups(place: str, groups: list[str], factors: Mapping[str, float]) 
     return {name: float(factors.get(name, 1.0)) for name in groups}
 
 
-def mixed(channels: Planes, factors: Mapping[str, float]) -> tuple[Values, Values]:
-    """X, Y, Z and their standard errors, both of shape (height, width, 3), from a file's channels."""
+def _together(
+    header: Mapping[str, Any], text: str, groups: Sequence[str], shape: tuple[int, int]
+) -> tuple[int, Values]:
+    """The edge of tiles, and for each of them the correlations of X, Y, Z of all groups; all 1, which makes
+    errors as large as can be, where the file has none."""
+    schedule = json.loads(header.get("nocturne:schedule", "{}"))
+    edge = int(schedule.get("tileSize", max(shape)))
+    tiles = -(-shape[0] // edge), -(-shape[1] // edge)
+    own = ["X", "Y", "Z", *schedule.get("furtherResponses", ())]
+    places = [own.index(name) for group in groups for name in group_channels(group) if name in own]
+    size = _XYZ * len(groups)
+    found = response_correlations.decode(text, tiles, len(own)) if len(places) == size else None
+    if found is None:
+        return edge, np.ones((*tiles, size, size))
+    whole = np.zeros((*tiles, len(own), len(own)))
+    whole[..., *np.tril_indices(len(own), -1)] = found
+    whole += np.swapaxes(whole, -1, -2) + np.eye(len(own))
+    return edge, whole[..., places, :][..., places]
+
+
+def mixed(
+    channels: Planes, factors: Mapping[str, float], edge: int, together: Values
+) -> tuple[Values, Values]:
+    """X, Y, Z, shape (height, width, 3), and covariances of their errors, shape (height, width, 3, 3), from a
+    file's channels and tiles' correlations of X, Y, Z of groups."""
     mean = np.sum([factor * _xyz(channels, group) for group, factor in factors.items()], axis=0)
-    error = np.sum([factor * _xyz(channels, group, ".stderr") for group, factor in factors.items()], axis=0)
-    error[..., 1] = np.sqrt(_variance(channels, {group: each for group, each in factors.items() if each}))
-    return mean, error
+    errors = [_xyz(channels, group, ".stderr") for group in factors]
+    by, groups = list(factors.values()), range(len(errors))
+    as_traced, as_mixed = np.zeros((2, *mean.shape, _XYZ))
+    for one, other in combinations_with_replacement(groups, 2):
+        square = together[..., _XYZ * one :, _XYZ * other :][..., :_XYZ, :_XYZ]
+        found = _covariance(errors[one], errors[other], square, edge)
+        if one != other:
+            found = found + np.swapaxes(found, -1, -2)
+        as_traced += found
+        as_mixed += by[one] * by[other] * found
+    weights = _unknown(errors)
+    rest = _of_image(channels) - as_traced
+    part = np.divide(rest, weights, out=np.zeros_like(rest), where=weights > 0.0)
+    return mean, as_mixed + part * _unknown(
+        [factor * error for factor, error in zip(by, errors, strict=True)]
+    )
+
+
+def _covariance(one: Values, other: Values, correlation: Values, edge: int) -> Values:
+    """Of pixels, shape (height, width, 3, 3), from their errors in three values each, and from how the totals
+    of tiles go together."""
+    both = _products(one, other)
+    of_tiles = _products(*(np.sqrt(_in_tiles(np.square(each), edge)) for each in (one, other)))
+    total = _in_tiles(both, edge)
+    part = np.divide(correlation * of_tiles, total, out=np.zeros_like(total), where=total > 0.0)
+    found: Values = both * _spread(np.clip(part, -1.0, 1.0), edge, both.shape)
+    return found
+
+
+def _of_image(channels: Planes) -> Values:
+    errors = np.stack([channels[f"{axis}.stderr"].astype(np.float64) for axis in "XYZ"], axis=-1)
+    found = _products(errors, errors)
+    for pair, one, other in zip(PAIRS, PAIR_FIRST, PAIR_SECOND, strict=True):
+        # By each pixel's own samples.
+        own = np.sqrt(channels[f"{'XYZ'[one]}.ownRatio"] * channels[f"{'XYZ'[other]}.ownRatio"])
+        found[..., one, other] *= channels[f"{pair}.correlation"] * own
+        found[..., other, one] = found[..., one, other]
+    return found
+
+
+def _unknown(errors: Sequence[Values]) -> Values:
+    """Products of errors in sum over all two values of groups whose covariance no channel has: all but those
+    a value with itself."""
+    whole = np.sum(errors, axis=0)
+    found = _products(whole, whole)
+    places = np.arange(_XYZ)
+    found[..., places, places] -= np.sum(np.square(errors), axis=0)
+    return found
+
+
+def _products(one: Values, other: Values) -> Values:
+    found: Values = one[..., :, None] * other[..., None, :]
+    return found
+
+
+def _in_tiles(values: Values, edge: int) -> Values:
+    return tile_sums(block_sums(values), edge)
+
+
+def _spread(of_tiles: npt.NDArray[T], edge: int, shape: tuple[int, ...]) -> npt.NDArray[T]:
+    """What tiles have, for each of their pixels."""
+    height, width = shape[:2]
+    return of_tiles.repeat(edge, axis=0)[:height].repeat(edge, axis=1)[:, :width]
+
+
+def _correlation(covariance: Values, error: Values) -> npt.NDArray[np.float32]:
+    both = error[..., PAIR_FIRST] * error[..., PAIR_SECOND]
+    found = np.divide(covariance, both, out=np.zeros_like(both), where=both > 0.0)
+    return np.clip(found, -1.0, 1.0).astype(np.float32)
 
 
 def _xyz(channels: Planes, group: str, what: str = "") -> Values:
     return np.stack([channels[f"{name}{what}"].astype(np.float64) for name in group_channels(group)], axis=-1)
-
-
-def _variance(channels: Planes, factors: Mapping[str, float]) -> Values:
-    """Of Y."""
-
-    def error_of(channel: str) -> Values:
-        return channels[f"{channel}.stderr"].astype(np.float64)
-
-    errors = {group: error_of(group_channels(group)[1]) for group in factors}
-    shape = channels["Y"].shape
-    found = sum((np.square(factors[group] * errors[group]) for group in factors), start=np.zeros(shape))
-    for one, other in combinations(factors, 2):
-        # As they stand in the file.
-        together = next(
-            name for name in (pair_channel(one, other), pair_channel(other, one)) if name in channels
-        )
-        most = errors[one] * errors[other]
-        covariance = (np.square(error_of(together)) - np.square(errors[one]) - np.square(errors[other])) / 2
-        found += 2 * factors[one] * factors[other] * np.clip(covariance, -most, most)
-    # Errors are themselves uncertain, and rounded to seven digits.
-    return np.maximum(found, 0.0)
