@@ -169,7 +169,7 @@ def _of_image(channels: Planes) -> Values:
 
 
 def _unknown(errors: Sequence[Values]) -> Values:
-    """Products of errors in sum over all two values of groups whose covariance no channel has: all but those
+    """Products of errors in sum over all pairs of values whose covariance no channel has: all but those of
     a value with itself."""
     whole = np.sum(errors, axis=0)
     found = _products(whole, whole)

@@ -67,5 +67,5 @@ class LightGroups:
                 yield surface.luminaire.light_group
         if document.environment is not None:
             yield document.environment.light_group
-        for disc in document.distant:
-            yield disc.light_group
+        yield from (disc.light_group for disc in document.distant)
+        yield from (lamp.light_group for lamp in document.ray_files)

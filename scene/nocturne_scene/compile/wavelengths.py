@@ -33,6 +33,7 @@ def _emission(message: scene_pb2.CompiledScene) -> list[int]:
     """The spectra that something emits."""
     found = {luminaire.radiance.spectrum for luminaire in message.luminaires}
     found |= {disc.radiance for disc in message.distant_discs}
+    found |= {rays.spectrum for rays in message.ray_sets}
     if message.environment.HasField("constant"):
         found.add(message.environment.constant)
     return sorted(found)

@@ -168,6 +168,7 @@ TEST(LoadScene, RefusesDamagedMessagesInWords) {
          m.mutable_environment()->set_constant(add_spectrum(m, 1.0f));
          m.mutable_environment()->set_light_group(2);
        }},
+      {"rays of a file", [](auto& m) { m.add_ray_sets()->set_count(1); }},
       {"too large a number", [](auto& m) { add_counted_group(m).set_light_group(64); }},
       {"part of the light of a light group",
        [](auto& m) {
