@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import OpenEXR
 import pytest
+from nocturne_client.cli.app import app
 from nocturne_coordinator.dispatch.error_estimate import Squares
 from nocturne_coordinator.output.images import Provenance, write_image
 from nocturne_coordinator.output.mixes import MIX, write_mix
@@ -14,6 +15,7 @@ from nocturne_scene.errors import InputError
 from nocturne_scene.responses import group_channels
 from nocturne_scene.tile_sums import TileSums, factors_of_tile
 from numpy.typing import NDArray
+from typer.testing import CliRunner
 
 from tests.coordinator.service import read_channel
 
@@ -123,3 +125,17 @@ def test_factors_that_make_no_mix_are_refused(
         write_mix(tmp_path / "image.exr", tmp_path / "mix.exr", factors)
     assert refused.value.problems[0].message == message
     assert not (tmp_path / "mix.exr").exists()
+
+
+def test_the_command_writes_the_mix_or_says_why_not(tmp_path: Path) -> None:
+    _write(tmp_path / "image.exr", _samples())
+    words = ["mix", str(tmp_path / "image.exr"), "-o", str(tmp_path / "mix.exr"), "--group"]
+    done = CliRunner().invoke(app, [*words, "desk=0.5"])
+    assert done.exit_code == 0, done.output
+    write_mix(tmp_path / "image.exr", tmp_path / "same.exr", {"desk": 0.5})
+    assert (tmp_path / "mix.exr").read_bytes() == (tmp_path / "same.exr").read_bytes()
+    before = (tmp_path / "mix.exr").read_bytes()
+    done = CliRunner().invoke(app, [*words, "doors=0.5"])
+    assert done.exit_code != 0
+    assert "there is no light group 'doors'" in str(done.exception)
+    assert (tmp_path / "mix.exr").read_bytes() == before

@@ -1,5 +1,7 @@
 """`nocturne mix`: the image of other amounts of light in its light groups."""
 
+import shutil
+import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -14,8 +16,11 @@ def mix_file(image: Path, output: Path, factors: Mapping[str, float]) -> None:
     """Writes the EXR; `output` is whole or untouched. Raises NocturneClientError."""
     check_output(output)
     try:
-        with written(output) as file:
-            write_mix(image, Path(file.name), factors)
+        with tempfile.TemporaryDirectory(prefix="nocturne-mix-") as folder:
+            made = Path(folder) / "mix.exr"
+            write_mix(image, made, factors)
+            with written(output) as file, made.open("rb") as source:
+                shutil.copyfileobj(source, file)
     except InputError as error:
         raise NocturneClientError(f"{error.problems[0].place}: {error.problems[0].message}") from error
     except OSError as error:
