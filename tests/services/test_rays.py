@@ -56,7 +56,7 @@ def test_rays_have_the_flux_and_the_far_field_of_the_lamp(tmp_path: Path) -> Non
     assert np.all(candela[~lit] < 0.01)
     assert np.abs(z[lit]).max() < 4.0
     lumens, its_error = flux_of(candela, error)
-    truth, other_error = flux_of(image.y, image.y_stderr)
+    truth, other_error = flux_of(image.y, image.y_stderr.astype(np.float64))
     assert lumens == pytest.approx(truth, abs=4 * float(np.hypot(its_error, other_error)))
     # Lumens are watts by their wavelengths.
     assert rays.lumens is not None
