@@ -38,6 +38,7 @@ from bench import (
     stops,
     traps,
     traversal,
+    visible_sky,
     watchers,
 )
 from bench.machine import load_average
@@ -65,6 +66,7 @@ BENCHES: dict[str, Bench] = {
     "peers": peers,
     "radiance": radiance,
     "real": real,
+    "visible_sky": visible_sky,
     "watchers": watchers,
     "page": page,
     "crowds": crowds,

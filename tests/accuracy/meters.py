@@ -99,6 +99,10 @@ class Measurement:
         other = scene_pb2.CompiledScene.FromString(moved.scene.read_bytes())
         self._scene.sensor.CopyFrom(other.sensor)
 
+    def see(self, visible_sky: bytes) -> None:
+        """Has photons know which sky is visible, as CompiledScene.visible_sky says."""
+        self._scene.visible_sky = visible_sky
+
     def guide(self, learned_light: bytes) -> None:
         """Photons from the sensor go where this says that light comes from, too; as in CompiledScene."""
         self._scene.learned_light = learned_light

@@ -35,7 +35,7 @@ def test_each_group_has_responses(document: dict[str, Any], compiled: Compile) -
         **{f"windows.{axis}": 2 for axis in "XYZ"},
     }
     assert (scene.luminaires[0].light_group, scene.environment.light_group) == (1, 2)
-    assert scene.format == 8
+    assert scene.format == 9
     curves = {each.name: list(each.values) for each in scene.sensor.further_responses}
     assert curves["desk.X"] == list(scene.sensor.response_x)
     assert curves["desk.Y"] == curves["windows.Y"] == list(scene.sensor.response_y)

@@ -52,7 +52,7 @@ def test_rays_are_placed_and_have_their_lumens(
         "dimming": 0.5,
     }
     scene = compiled(lit)
-    assert scene.format == 8
+    assert scene.format == 9
     assert scene.tracing.direction == scene_pb2.DIRECTION_FORWARD
     found, rays = _rays(scene, blobs), lambertian(50)
     turned = np.array([1, -1, -1])

@@ -44,6 +44,7 @@ class Asked:
         fault: str = "",
         aims: Sequence[dict[str, Any]] = (),
         learned_light: bytes = b"",
+        visible_sky: bytes = b"",
     ) -> None:
         self.asked: list[tuple[list[str], scene_pb2.Tracing]] = []
         self.answer: dict[str, Any] = {
@@ -60,6 +61,7 @@ class Asked:
             "unmet_parts": [],
             "aims": list(aims),
             "learned_light": learned_light.hex(),
+            "visible_sky": visible_sky.hex(),
             "photons": 123456,
         }
 
@@ -373,6 +375,61 @@ def test_photons_are_guided_by_what_was_learned(
     # An older program would not look at it, and make other bits.
     assert (scene.learned_light, scene.format) == (bytes(range(16)), 6)
     assert output.way.startswith("photons from both directions, guided by what was learned: ")
+
+
+def test_photons_know_which_sky_is_visible(
+    document: dict[str, Any], blobs: BlobStore, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    document["environment"] = {"radiance": 1.0}
+    trace = Asked(monkeypatch, gain=1.0, visible_sky=bytes(range(16)))
+    output = compile_scene(parse_document(json.dumps(document)), blobs, LARGE)
+    scene = scene_pb2.CompiledScene.FromString(blobs.path(output.scene_sha256).read_bytes())
+    assert "sky" in trace.asked[0][0]
+    assert (scene.visible_sky, scene.format) == (bytes(range(16)), 8)
+    assert output.way.startswith("photons from the sensor, that know which sky is visible: no other way")
+    # Where there is none, where nobody is to be guided, and where nothing is drawn towards the sky.
+    for left_out in ({"guide": "none"}, {"estimator": "mixture"}):
+        compiled({**document, "tracing": left_out}, blobs, LARGE)
+        assert "sky" not in (trace.asked[-1][0] if len(trace.asked) > 1 else [])
+        del trace.asked[1:]
+
+
+def room(*, closed: bool) -> dict[str, Any]:
+    """Of 4 m, with a window of 1 m, and a camera in it; or its floor alone."""
+    quads = [
+        ([0, 0, 0], [4, 0, 0], [0, 4, 0]),
+        ([0, 4, 0], [4, 0, 0], [0, 0, 3]),
+        ([0, 0, 0], [0, 4, 0], [0, 0, 3]),
+        ([4, 0, 0], [0, 0, 3], [0, 4, 0]),
+        ([0, 0, 0], [0, 0, 1], [4, 0, 0]),
+        ([0, 0, 2], [0, 0, 1], [4, 0, 0]),
+        ([0, 0, 1], [0, 0, 1], [1.5, 0, 0]),
+        ([2.5, 0, 1], [0, 0, 1], [1.5, 0, 0]),
+    ]
+    quads += [([0, 0, 3], [0, 4, 0], [4, 0, 0])]
+    camera = {"type": "pinhole", "position": [2, 0.5, 1.5], "look_at": [2, 4, 1], "up": [0, 0, 1]}
+    return {
+        "nocturne": 1,
+        "sensor": {**camera, "vertical_field_of_view_degrees": 70},
+        "environment": {"radiance": 1.0},
+        "surfaces": [
+            {
+                "shape": {"type": "quad", "corner": corner, "edge_u": u, "edge_v": v},
+                "kernel": {"type": "lambertian", "reflectance": 0.5},
+            }
+            for corner, u, v in (quads if closed else quads[:1])
+        ],
+    }
+
+
+def test_the_real_tracer_learns_which_sky_is_visible_in_a_room(blobs: BlobStore) -> None:
+    """And nothing where there are no walls."""
+    outputs = [compile_scene(parse_document(json.dumps(room(closed=True))), blobs, LARGE) for _ in range(2)]
+    assert outputs[0] == outputs[1]
+    scene = scene_pb2.CompiledScene.FromString(blobs.path(outputs[0].scene_sha256).read_bytes())
+    assert 16 * 100 < len(scene.visible_sky) <= 65_536 * 16
+    _, tracing = compiled(room(closed=False), blobs, LARGE)
+    assert "visible" not in tracing.way
 
 
 def test_the_real_tracer_guides_photons_to_a_lamp_above_water(

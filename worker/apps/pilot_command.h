@@ -17,8 +17,8 @@ struct PilotCommand {
   unsigned threads;
 };
 
-inline const std::vector<std::string> kPilotChooses{"direction", "aim",   "learn",  "ratio",
-                                                    "guide",     "parts", "sharing"};
+inline const std::vector<std::string> kPilotChooses{"direction", "aim",   "learn",   "ratio",
+                                                    "guide",     "parts", "sharing", "sky"};
 
 /// A JSON file: the best method, and the figures of each. Throws like loading and tracing.
 void run_pilot_command(const PilotCommand& command, v1::CompiledScene message,

@@ -43,9 +43,11 @@ from nocturne_scene.render_warnings import RenderWarning, from_messages, of_scen
 # Layouts of CompiledScene; raised with every change that an older worker would misread. The second one is
 # that of scenes whose sensor tells parts of the light, the third of those with a forward_ratio, the
 # fourth of those whose photons are guided, the fifth of those with other wavelengths than 360 to 830 nm, the
-# sixth of those whose responses tell light groups apart, or that have rays of files.
-FORMAT, FORMAT_WITH_PARTS, FORMAT_WITH_RATIO, FORMAT_WITH_GUIDE, FORMAT_WITH_RANGE = 3, 4, 5, 6, 7
-FORMAT_WITH_LIGHT_GROUPS = 8
+# seventh of those whose responses tell light groups apart, or that have rays of files.
+FORMAT, FORMAT_WITH_PARTS, FORMAT_WITH_RATIO, FORMAT_WITH_GUIDE, FORMAT_WITH_RANGE, FORMAT_WITH_SKY = range(
+    3, 9
+)
+FORMAT_WITH_LIGHT_GROUPS = 9
 
 
 def compile_scene(document: SceneDocument, blobs: BlobStore, film: Film | None = None) -> CompiledOutput:
@@ -165,6 +167,7 @@ def _put_tracing(
             ways, said, warnings = choose(message, workspace.blobs.root, film, left_open)
             message.important_shapes.extend(ways.aims)
             message.learned_light = ways.learned_light
+            message.visible_sky = ways.visible_sky
     message.tracing.CopyFrom(compile_tracing(workspace, message, ways, scatters=scatters))
     message.tracing.way = said
     message.tracing.warnings.extend(each.message() for each in warnings)
@@ -174,6 +177,8 @@ def _put_tracing(
         message.format = FORMAT_WITH_GUIDE
     if not workspace.wavelengths.is_usual:
         message.format = FORMAT_WITH_RANGE
+    if message.visible_sky:
+        message.format = FORMAT_WITH_SKY
     if workspace.light_groups.names or message.ray_sets:
         message.format = FORMAT_WITH_LIGHT_GROUPS
 

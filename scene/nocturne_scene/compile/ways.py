@@ -40,6 +40,9 @@ _AIMED = 0.6
 PARTS = "parts"
 """As `nocturne-trace --pilot` takes it: the method is known; where in the image may it miss light?"""
 
+SKY = "sky"
+"""The same: which part of the sky is visible from where?"""
+
 GUIDED = "guided by what was learned"
 """Part of the sentence about a guided method."""
 
@@ -69,6 +72,8 @@ class Ways:
     """What these photons are aimed at, where that was learned and not declared."""
     learned_light: bytes = b""
     """Where light was found to come from, for photons from the sensor, as in CompiledScene."""
+    visible_sky: bytes = b""
+    """Where these photons met the sky, as in CompiledScene."""
     forward_ratio: float = 1.0
     """Photons from luminaires for each from a pixel, where both directions are traced."""
 
@@ -77,7 +82,8 @@ class Ways:
         shared = f", shared by blocks of {self.sharing} pixels" if self.sharing > 1 else ""
         aimed = ", aimed at what was learned" if self.aims else ""
         guided = f", {GUIDED}" if self.learned_light else ""
-        return f"{_SAID[self.direction]}{self._unequal()}{aimed}{guided}{shared}"
+        sky = ", that know which sky is visible" if self.visible_sky else ""
+        return f"{_SAID[self.direction]}{self._unequal()}{aimed}{guided}{sky}{shared}"
 
     def _unequal(self) -> str:
         if self.forward_ratio == 1.0 or self.direction != "both":
@@ -145,7 +151,15 @@ def open_ways(
         return OpenWays(names, default, asked)
     if tracing.guide == "auto" and asked.direction == "both":
         names.append("guide")
-    may_share = tracing.estimator == "two_photons" and not _is_points(document)
+    connects = tracing.estimator == "two_photons"
+    if (
+        tracing.guide == "auto"
+        and connects
+        and tracing.direction != "forward"
+        and scene.HasField("environment")
+    ):
+        names.append(SKY)
+    may_share = connects and not _is_points(document)
     if tracing.sharing == "auto" and may_share and asked.direction != "forward":
         names.append("sharing")
     return OpenWays(names, default, asked)
@@ -202,6 +216,7 @@ def choose(
             _aimed(found, ways),
             learned,
             bytes.fromhex(found["learned_light"]),
+            bytes.fromhex(found["visible_sky"]),
             _ratio(found, ways),
         )
         told = [
@@ -210,7 +225,7 @@ def choose(
             _fault(found["fault"], found["differs_by"]),
         ]
         warnings = [each for each in told if each is not None]
-        return better, "" if ways.names == [PARTS] else _sentence(better, default, found), warnings
+        return better, "" if not {*ways.names} - {PARTS, SKY} else _sentence(better, default, found), warnings
     except (OSError, subprocess.SubprocessError, ValueError, KeyError):
         return default, f"{default.named()}: nothing was compared, as the pilot failed", []
 
@@ -259,7 +274,7 @@ def _fault(which: str, differs_by: float) -> RenderWarning | None:
 
 def _sentence(ways: Ways, default: Ways, found: dict[str, Any]) -> str:
     tried = f"by a pilot of {found['photons']:,} photons"
-    if ways == default:
+    if replace(ways, visible_sky=b"") == default:
         return f"{ways.named()}: no other way was found better {tried}"
     if found["finds_more"]:
         return f"{ways.named()}: {default.named()} missed light that these found, {tried}"

@@ -115,9 +115,10 @@ class Tracing(Node):
     )
     guide: Literal["auto", "none"] = Field(
         default="auto",
-        description="Whether photons from the sensor are sent to where light comes from that mirrors and "
-        "glass gather (path guiding), as photons from the luminaires have shown; for a caustic that is seen "
-        "in a mirror or through glass. `auto`: where a pilot finds that better.",
+        description="Whether photons from the sensor are sent to where light comes from (path guiding). "
+        "`auto`: where a pilot finds that better, to what mirrors and glass gather, as photons from the "
+        "luminaires have shown, for a caustic that is seen in a mirror or through glass; and in a room to "
+        "the part of the sky that is visible from each place, as a few photons from the sensor have shown.",
     )
     sequence: Literal["sobol", "independent"] = Field(
         default="sobol",

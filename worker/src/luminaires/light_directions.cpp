@@ -112,8 +112,9 @@ std::optional<Environment::Draft> LightDirections::begin_light(const LightSampli
   if (!environment_ || choice < luminaires_share_ || choice >= luminaires_share_ + sky_share_) {
     return std::nullopt;
   }
+  const float around = environment_irradiance();
   const float left = stretched(choice, luminaires_share_, sky_share_) * sky_irradiance(from);
-  if (!(left < environment_irradiance())) return std::nullopt;
+  if (!(left < around) || left < known_sky(from) * around) return std::nullopt;
   return environment_->begin(from, u1, u2);
 }
 
@@ -184,8 +185,13 @@ std::optional<Vec3> LightDirections::sample_sky(const LightSamplingContext& from
   const float around = environment_irradiance(), total = sky_irradiance(from);
   if (!(total > 0.0f)) return std::nullopt;
   float left = choice * total;
+  const float known = known_sky(from) * around;
+  if (left < known) {
+    const Vec3 direction = visible_sky_.sample(from.visible_sky, u1, u2);
+    return from.sees(direction) ? std::optional(direction) : std::nullopt;
+  }
   if (left < around) {
-    drawn = environment_->draw(from, stretched(left, 0.0f, around), u1, u2);
+    drawn = environment_->draw(from, stretched(left, known, around - known), u1, u2);
     return drawn ? std::optional(drawn->direction) : std::nullopt;
   }
   left -= around;
@@ -211,6 +217,10 @@ float LightDirections::sky_pdf(const LightSamplingContext& from, Vec3 direction,
     sum = drawn   ? drawn->pdf
           : place ? environment_->pdf(from, direction, *place)
                   : environment_->pdf(from, direction);
+    const float known = known_sky(from);
+    if (known > 0.0f) {
+      sum = (1.0f - known) * sum + known * visible_sky_.pdf(from.visible_sky, direction);
+    }
     sum *= around;
   }
   for (const DistantDisc& disc : discs_) {

@@ -14,6 +14,7 @@
 #include "luminaires/learned_light.h"
 #include "luminaires/light_sampling_context.h"
 #include "luminaires/luminaire_directions.h"
+#include "luminaires/visible_sky.h"
 
 namespace nocturne {
 
@@ -82,6 +83,11 @@ class LightDirections {
   void set_learned(LearnedLight learned) { learned_ = std::move(learned); }
   const LearnedLight& learned() const { return learned_; }
 
+  /// VisibleSky::kPart of the directions to the environment are drawn from it, where a context has
+  /// a cell.
+  void set_visible_sky(VisibleSky sky) { visible_sky_ = std::move(sky); }
+  const VisibleSky& visible_sky() const { return visible_sky_; }
+
   const std::optional<Environment>& environment() const { return environment_; }
   const std::vector<DistantDisc>& discs() const { return discs_; }
   /// Towards elements of luminaires alone.
@@ -105,12 +111,17 @@ class LightDirections {
                 const FromEnvironment& drawn = {}) const;
   float declared_pdf(const LightSamplingContext& from, Vec3 direction, const SkyPlace& place) const;
   float environment_irradiance() const;
+  // Part of the directions to the environment that is drawn from the visible sky.
+  static float known_sky(const LightSamplingContext& from) {
+    return from.visible_sky == VisibleSky::kNone ? 0.0f : VisibleSky::kPart;
+  }
   // And that of discs.
   float sky_irradiance(const LightSamplingContext& from) const;
 
   LightWeights weights_;  // 0 where there is nothing
   LuminaireDirections luminaires_, important_;
   LearnedLight learned_;
+  VisibleSky visible_sky_;
   std::optional<Environment> environment_;
   std::vector<DistantDisc> discs_;
   float luminaires_share_ = 0.0f, sky_share_ = 0.0f, important_share_ = 0.0f;  // sum 1, or all 0

@@ -17,6 +17,8 @@ struct LightSamplingContext {
   float time = 0.0f;
   /// The cell of learned light, or none.
   std::uint32_t learned = ~0u;
+  /// The cell of the visible sky, or none.
+  std::uint32_t visible_sky = ~0u;
 
   bool sees(Vec3 direction) const { return both_sides || dot(normal, direction) > 0.0f; }
 };

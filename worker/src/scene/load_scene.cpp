@@ -20,7 +20,7 @@ namespace nocturne {
 namespace {
 
 /// Of scenes whose responses count parts of the light, which programs before it would not see.
-constexpr std::uint32_t kFormat = 3, kFormatWithRange = 7, kFormatWithLightGroups = 8;
+constexpr std::uint32_t kFormat = 3, kFormatWithRange = 7, kLatestFormat = 9;
 // nm, where a scene's wavelengths may lie.
 constexpr double kShortest = 200.0, kLongest = 2500.0;
 // Of one spectrum, so that a scene's size says how much work it makes.
@@ -67,9 +67,9 @@ void set_seen(const v1::Sensor& s, std::vector<Spectrum>& spectra) {
 
 LoadContext make_context(const v1::CompiledScene& message, const FindBlob& find_blob,
                          std::stop_token stop) {
-  if (message.format() < kFormat || message.format() > kFormatWithLightGroups) {
+  if (message.format() < kFormat || message.format() > kLatestFormat) {
     refuse("format " + std::to_string(message.format()) + "; this program reads formats " +
-           std::to_string(kFormat) + " to " + std::to_string(kFormatWithLightGroups));
+           std::to_string(kFormat) + " to " + std::to_string(kLatestFormat));
   }
   LoadContext context{message, find_blob, stop, {}, {}, {}};
   for (const auto& s : message.spectra()) context.spectra.push_back(load_spectrum(s));
@@ -299,6 +299,7 @@ std::shared_ptr<Scene> load_scene(const v1::CompiledScene& message, const FindBl
     const bool occlusion = media.empty() && occlusion_decides(options, materials, medium_interfaces,
                                                               lights, luminaires, loaded.groups);
     lights.set_learned(std::move(learned));
+    lights.set_visible_sky(VisibleSky(VisibleSky::unpacked(message.visible_sky())));
     return std::shared_ptr<Scene>(new Scene{std::move(geometry),
                                             std::move(materials),
                                             std::move(kernels),

@@ -273,6 +273,10 @@ void prepare(Batch& batch, Chunk<N, Bound>& chunk) {
     const bool passes_on = group.mis.technique == MisTechnique::kLights;
     const bool scatters = !passes_on && kernel.smooth();
     if (Batch::kAdjoint && scatters) vertex.learned = learned_at(batch, group, vertex);
+    if (Batch::kAdjoint && scatters && !kernel.transmits() && !batch.is_medium(vertex.hit)) {
+      vertex.visible_sky =
+          batch.scene.lights.visible_sky().find(vertex.hit.position, vertex.normal);
+    }
     chunk.two_photons[i] = second && scatters && may_see_lights(batch, group, vertex);
     if constexpr (Batch::kAdjoint) {
       if (group.shares) offer_second(batch, group, vertex, kernel);

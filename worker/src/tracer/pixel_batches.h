@@ -28,6 +28,8 @@ class PixelBatches {
   /// Traces up to `most` samples at once.
   PixelBatches(const Scene& scene, Film film, std::uint32_t most, const std::stop_token& stop);
 
+  void keep_sightings(SkySightings& sightings) { estimator_.keep_sightings(sightings); }
+
   /// Adds what sample i measures to the values from values[i * counts.values()] on, and rays and
   /// invalid samples to `counts`. Blocks are whole; they share where the scene's options say so.
   void trace(std::span<const PixelIndex> samples, TileSums& counts, double* values);

@@ -3,13 +3,24 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <cstdint>
 #include <vector>
 
+#include "luminaires/visible_sky.h"
 #include "tracer/batch.h"
 #include "tracer/both_directions/near_ends.h"
 #include "tracer/vertex/power_heuristic.h"
 
 namespace nocturne {
+
+/// Where the sky was met from surfaces.
+struct SkySightings {
+  std::vector<VisibleSky::Sighting> all;
+  /// Photons that were sent towards lights: those that met the sky, and those that a surface
+  /// stopped.
+  std::uint64_t free = 0, stopped = 0;
+};
 
 template <int N>
 class RadianceEstimator {
@@ -20,6 +31,9 @@ class RadianceEstimator {
       : scene_(scene),
         tells_parts_(scene.wavelengths.tells_parts()),
         light_groups_(scene.wavelengths.light_groups()) {}
+
+  /// From now on, with each photon that meets the sky.
+  void keep_sightings(SkySightings& sightings) { sightings_ = &sightings; }
 
   /// The first tallies are the samples' own.
   void reset(std::size_t samples) {
@@ -50,6 +64,7 @@ class RadianceEstimator {
              const LightDirections::SkyPlace& place) {
     if (nearly()) return nearly_meets(sample, group);
     if (hit != nullptr || !scene_.has_distant_light()) return;
+    if (sightings_ != nullptr) keep_sighting(sample, group);
     const auto past = [&](HiddenFrom hidden) { return sees_past(group, hidden); };
     const auto each_group = [&](const auto& f) {
       scene_.for_each_distant_group(group.ray.direction, sample.wavelengths, past, place, f);
@@ -59,8 +74,13 @@ class RadianceEstimator {
   }
 
   void arrives(const BatchSample<N>& sample, const Group<N>& group, const Hit& hit) {
-    const std::uint32_t luminaire = scene_.materials[hit.surface].luminaire;
-    if (luminaire == SurfaceMaterial::kNone) return;
+    const SurfaceMaterial& material = scene_.materials[hit.surface];
+    const std::uint32_t luminaire = material.luminaire;
+    if (luminaire == SurfaceMaterial::kNone) {
+      const bool towards = group.mis.technique == MisTechnique::kLights;
+      if (sightings_ != nullptr && towards && !material.may_pass) ++sightings_->stopped;
+      return;
+    }
     if (nearly()) return;
     if (sees_past(group, scene_.luminaires[luminaire].hidden_from)) return;
     if (brought_from_luminaire(group, hit.position)) return;
@@ -191,9 +211,29 @@ class RadianceEstimator {
     });
   }
 
+  // Of what meets the sky by either technique. Where the density towards lights is high already, as
+  // at a bright Sun, another one is worth less.
+  void keep_sighting(const BatchSample<N>& sample, const Group<N>& group) {
+    const LightSamplingContext& from = group.mis.context;
+    const auto& environment = scene_.lights.environment();
+    if (group.mis.technique == MisTechnique::kNone || from.both_sides || !environment) return;
+    const Vec3 direction = group.mis.direction;
+    const float kernel = sum(group.mis.kernel_pdf) / N,
+                lights = scene_.lights.pdf(from, {direction, group.mis.drawn_pdf}),
+                radiance = sum(environment->radiance(group.ray.direction, sample.wavelengths)) / N,
+                worth =
+                    radiance * dot(from.normal, direction) / (kernel + lights) / (lights + kHigh);
+    if (!(worth > 0.0f) || !std::isfinite(worth)) return;
+    sightings_->all.push_back(VisibleSky::sighting(from.position, from.normal, direction, worth));
+    if (group.mis.technique == MisTechnique::kLights) ++sightings_->free;
+  }
+
+  static constexpr float kHigh = 2.0f;  // 1/sr
+
   const Scene& scene_;
   const bool tells_parts_;
   const std::uint32_t light_groups_;
+  SkySightings* sightings_ = nullptr;
   std::vector<Tally> radiance_, direct_;  // by tally
   std::vector<Tally> of_groups_;          // by tally, then light group
 };

@@ -27,8 +27,8 @@ std::uint32_t learned_at(const Batch& batch, const Group<N>& group, const Vertex
 template <class Batch, int N, class Kernel>
 LightSamplingContext light_context(const Batch& batch, const Group<N>& group,
                                    const Vertex<N>& vertex, const Kernel& kernel) {
-  return {vertex.hit.position, vertex.normal, kernel.transmits(), batch.sample_of(group).time,
-          vertex.learned};
+  return {vertex.hit.position,         vertex.normal,  kernel.transmits(),
+          batch.sample_of(group).time, vertex.learned, vertex.visible_sky};
 }
 
 /// The same context for what leaves in `direction`.

@@ -171,9 +171,11 @@ void start_towards_lights(Batch<N, Estimator, Media>& batch, Vec3 film_normal) {
   const LightDirections& lights = batch.scene.lights;
   if (lights.empty()) return;
   Group<N>& by_cosine = batch.groups.back();
-  const LightSamplingContext here{.position = by_cosine.ray.origin,
-                                  .normal = film_normal,
-                                  .time = batch.sample_of(by_cosine).time};
+  const LightSamplingContext here{
+      .position = by_cosine.ray.origin,
+      .normal = film_normal,
+      .time = batch.sample_of(by_cosine).time,
+      .visible_sky = lights.visible_sky().find(by_cosine.ray.origin, film_normal)};
   const auto density = [&](Vec3 direction) {
     return std::max(0.0f, dot(film_normal, direction)) / kPi;
   };

@@ -31,6 +31,8 @@ struct Vertex {
   InteriorList beyond;
   /// The cell of learned light that photons from here are guided by, or none.
   std::uint32_t learned = LearnedLight::kNone;
+  /// The cell of the visible sky, or none.
+  std::uint32_t visible_sky = VisibleSky::kNone;
 
   Vec3 to_local(Vec3 direction) const { return frame.to_local(direction); }
   Vec3 to_world(Vec3 direction) const { return frame.to_world(direction); }
