@@ -136,6 +136,14 @@ def test_groups_are_the_whole_image_and_change_none_of_its_bits(
     np.testing.assert_allclose(parts.sum(axis=0), image.xyz, rtol=2e-6, atol=1e-5)
 
 
+@pytest.mark.parametrize("sensor", [_CAMERA, _METER])
+def test_groups_are_the_whole_image_as_a_pilot_has_it_traced(tmp_path: Path, sensor: Document) -> None:
+    """With whatever it learns of the light, and pixels that share. A pilot is asked from 2^18 samples on."""
+    image = trace(_room(sensor), tmp_path, 64, 64)
+    parts = np.sum([_channels(tmp_path / "image.exr", group) for group in _GROUPS], axis=0)
+    np.testing.assert_allclose(parts, image.xyz, rtol=2e-6, atol=1e-5)
+
+
 @pytest.mark.parametrize(
     ("sensor", "tracing"),
     [
