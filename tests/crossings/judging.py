@@ -54,6 +54,7 @@ class Difference:
 
 _TINY = 1e-300
 """Variance of values that have none."""
+_QUARTERS = 4
 _REGIONS = ("the image", "its first quarter", "its second quarter", "its third quarter", "its last quarter")
 
 
@@ -82,11 +83,18 @@ def _difference(name: str, other_name: str, one: Readings, other: Readings) -> D
 
 def _of_seeds(one: Readings) -> Values:
     """Variance of the mean over seeds."""
-    return np.asarray(one.means.var(axis=0, ddof=1) / len(one.means))
+    return _at_least(one, np.asarray(one.means.var(axis=0, ddof=1) / len(one.means)))
 
 
 def _of_stated(one: Readings) -> Values:
-    return np.asarray((one.errors**2).mean(axis=0) / len(one.errors))
+    return _at_least(one, np.asarray((one.errors**2).mean(axis=0) / len(one.errors)))
+
+
+def _at_least(one: Readings, variance: Values) -> Values:
+    """Where a method met nothing by any seed, that says nothing of how much it may miss: a quarter then has
+    the variance of a quarter that is as the whole image."""
+    nothing = ~one.means.any(axis=0)
+    return np.where(nothing, np.maximum(variance, _QUARTERS * variance[:1]), variance)
 
 
 def _p(off: Values, one: Values, other: Values, rounding: Values, degrees: int | None) -> Values:

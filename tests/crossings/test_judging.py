@@ -53,6 +53,18 @@ def test_what_stated_errors_explain_is_no_fault() -> None:
     assert found.surely > 0.1
 
 
+def test_a_quarter_in_which_nothing_was_met_is_as_uncertain_as_the_image() -> None:
+    """A lamp's dim corner: one method met it by no seed, another finds a hundredth of the image there.
+    A fifth of it would be missed in the image, too."""
+    for missing, least, most in ((0.01, 0.5, 1.0), (0.2, 0.0, 1e-4)):
+        random = np.random.default_rng(6)
+        one, other = _readings(random, 1.0, 0.02), _readings(random, 1.0, 0.001)
+        one.means[:, 4], one.errors[:, 4] = 0.0, 0.0
+        other.means[:, 4], other.errors[:, 4] = missing, 0.001
+        (found,) = differences({"a": one, "b": other})
+        assert least <= found.surely <= most
+
+
 def test_black_is_black() -> None:
     random = np.random.default_rng(4)
     (found,) = differences({"a": _readings(random, 0.0, 0.0), "b": _readings(random, 0.0, 0.0)})

@@ -65,7 +65,11 @@ class March {
     inside.for_each_present(scene_.medium_interfaces, [&](const MediumInterface& body) {
       for (const std::uint32_t index : body.media) {
         const Medium& medium = scene_.media[index];
-        const float density = std::visit([p](const auto& d) { return d.at(p); }, medium.density);
+        const float density = std::visit(
+            [p]<class Density>(const Density& d) {
+              return typename Density::Majorants(d, {p, {0.0f, 0.0f, 1.0f}}, 1.0f).density(0.0f);
+            },
+            medium.density);
         f(index, density * medium.extinction(start_.wavelengths)[0]);
       }
     });
