@@ -16,7 +16,7 @@ from nocturne_scene.tile_sums import Counts, Values, factors_of_tile
 
 ATTRIBUTE = "nocturne:correlations"
 
-MOST = 2**19
+MOST = 2**22
 """Numbers in an image's attribute; of larger films and more responses there is none."""
 
 

@@ -13,10 +13,39 @@ _TAKEN = frozenset("XYZRGBAn")
 LIGHT_PARTS = {part: tuple(f"{part}.{axis}" for axis in "XYZ") for part in ("direct", "indirect")}
 """Names of responses to a part of the light, by part."""
 
+LIGHT_GROUP_PATTERN = "^([A-Za-z][A-Za-z0-9_-]{0,30})?$"
+"""Of a light group's name; none: of no group."""
+
+REST = "rest"
+"""What lights without a group bring, beside groups."""
+
+TAKEN_LAYERS = frozenset(
+    {REST, *LIGHT_PARTS, *_TAKEN, "albedo", "N", "depth", "P", "id", "emission", "denoised", "difference"}
+)
+"""What can't be a light group's name: the part of a channel's name before its point means something else."""
+
+_OF_GROUPS = re.compile(r"([A-Za-z][A-Za-z0-9_-]{0,30})\.[XYZ]")
+
 COLOUR = tuple(f"colour.{number:02d}" for number in range(43))
 """Names of responses that give a light's colour, by wavelength; `spectra.colour_basis` has their curves."""
 
 _OF_SENSORS = frozenset(name for names in LIGHT_PARTS.values() for name in names) | frozenset(COLOUR)
+
+
+def group_channels(group: str) -> tuple[str, str, str]:
+    """Names of the channels X, Y, Z of a light group."""
+    return f"{group}.X", f"{group}.Y", f"{group}.Z"
+
+
+def counts_light_groups(name: str) -> bool:
+    """Whether a further response's name is one of light groups, or of parts of the light."""
+    return _OF_GROUPS.fullmatch(name) is not None
+
+
+def light_groups_in(names: Sequence[str]) -> list[str]:
+    """The light groups that further responses tell apart, in order; none: they tell none."""
+    found = (name.rpartition(".") for name in names if counts_light_groups(name))
+    return [group for group, _, axis in found if axis == "Y" and group not in LIGHT_PARTS]
 
 
 def name_problems(names: Sequence[str]) -> Iterator[str]:
@@ -26,7 +55,7 @@ def name_problems(names: Sequence[str]) -> Iterator[str]:
     for index, name in enumerate(names):
         if name in names[:index]:
             yield f"two responses are named {name!r}"
-        elif is_band(name) or name in _OF_SENSORS:
+        elif is_band(name) or name in _OF_SENSORS or counts_light_groups(name):
             continue
         elif not _NAME.fullmatch(name):
             yield (

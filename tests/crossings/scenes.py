@@ -4,6 +4,7 @@ A room, or a floor under the sky; three places with bodies, which are balls that
 lamps and of the sensor; media around everything. What a place may hold is in tests/crossings/bodies.py.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -107,6 +108,8 @@ def _whole(
 ) -> Scene:
     if draft.chance.maybe(0.2):
         _put_range(draft, document)
+    if draft.chance.maybe(0.2):
+        _put_light_groups(draft, document)
     situations = frozenset(draft.situations)
     return Scene(seed, document | draft.named, width, height, draft.sharp, alone, situations)
 
@@ -134,15 +137,9 @@ def _put_range(draft: Draft, document: Document) -> None:
 
 def _relight(draft: Draft, document: Document) -> None:
     """Gives all lights spectra that are of all wavelengths."""
-    waiting: list[Any] = [document["surfaces"], draft.named.get("groups", {})]
-    while waiting:
-        match waiting.pop():
-            case {"luminaire": {"radiance": _} as luminaire}:
-                luminaire["radiance"] = warm(draft, 300.0)
-            case dict() as entries:
-                waiting += entries.values()
-            case list() as members:
-                waiting += members
+    for luminaire in _luminaires(draft, document):
+        if "radiance" in luminaire:
+            luminaire["radiance"] = warm(draft, 300.0)
     sky = document.get("environment")
     if sky is not None:
         hidden_from = {name: sky[name] for name in ("hidden_from",) if name in sky}
@@ -151,6 +148,27 @@ def _relight(draft: Draft, document: Document) -> None:
         for field, luminance in (("irradiance", 1000.0), ("radiance", 1e4)):
             if field in each:
                 each[field] = sunlight(draft, luminance)
+
+
+def _luminaires(draft: Draft, document: Document) -> Iterator[Document]:
+    """Those of surfaces, also within groups."""
+    waiting: list[Any] = [document["surfaces"], draft.named.get("groups", {})]
+    while waiting:
+        match waiting.pop():
+            case {"luminaire": dict() as luminaire}:
+                yield luminaire
+            case dict() as entries:
+                waiting += entries.values()
+            case list() as members:
+                waiting += members
+
+
+def _put_light_groups(draft: Draft, document: Document) -> None:
+    """Of some lights; others are the rest."""
+    sky = document.get("environment")
+    for light in (*_luminaires(draft, document), *([sky] if sky else []), *document.get("distant", [])):
+        if draft.chance.maybe(0.7):
+            light["light_group"] = draft.chance.pick(["a", "b"])
 
 
 def _sensor(draft: Draft, film: tuple[int, int], *, room: bool) -> Document:

@@ -30,6 +30,7 @@
 #include "tracer/learning/learned_at.h"
 #include "tracer/path_limits.h"
 #include "tracer/trace_film.h"
+#include "tracer/trace_rays.h"
 #include "worker_loop/check_job.h"
 
 namespace nocturne {
@@ -40,6 +41,7 @@ struct Options {
   unsigned threads = std::thread::hardware_concurrency();
   unsigned seeds = 0;
   std::uint32_t layer_samples = 0;
+  std::uint64_t rays = 0;
   std::vector<std::string> pilot;
   std::vector<std::uint32_t> learned_at;
   bool quiet = false;
@@ -224,6 +226,17 @@ void run_layers(const Options& options, const v1::CompiledScene& message,
   finish(file, options.output);
 }
 
+// What leaves the intensity meter's sphere, as float32: see LeavingRay.
+void run_rays(const Options& options, const v1::CompiledScene& message) {
+  const auto scene = load_scene(message, blobs_in(options.blobs));
+  std::ofstream file(options.output, std::ios::binary);
+  trace_rays(*scene, options.rays, options.threads, [&](std::span<const LeavingRay> rays) {
+    file.write(reinterpret_cast<const char*>(rays.data()),
+               static_cast<std::streamsize>(rays.size_bytes()));
+  });
+  finish(file, options.output);
+}
+
 // Normal and direction are null where the pixel shows no surface; of a cone its axis, and half its
 // angle in degrees.
 void run_learned_at(const Options& options, const v1::CompiledScene& message,
@@ -290,6 +303,7 @@ void run(const Options& options) {
                              message, schedule);
   }
   if (options.layer_samples != 0) return run_layers(options, message, schedule);
+  if (options.rays != 0) return run_rays(options, message);
   if (!options.learned_at.empty()) return run_learned_at(options, message, schedule);
   if (options.seeds != 0) return run_seeds(options, message, schedule);
   run_film(options, message, schedule, sha256_of_file(options.scene));
@@ -354,6 +368,11 @@ int run_command(std::vector<std::string> words) {
                  "each pixel: albedo, normal, depth, position, object, material and emission as "
                  "float32")
       ->check(CLI::Range(1, 1024))
+      ->excludes(job);
+  app.add_option("--rays", options.rays,
+                 "Instead of an image, what leaves the intensity meter's sphere of this many "
+                 "photons, as float32: place, direction, W, nm of each ray")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{1} << 40))
       ->excludes(job);
   app.add_option("--learned-at", options.learned_at,
                  "Instead of an image, a JSON file that tells where light was learned to come from "

@@ -267,9 +267,9 @@ def _channels_of(moments: ImageMoments, further_responses: Sequence[str]) -> dic
     mean, errors = moments.mean.astype(np.float32), np.sqrt(moments.variance + moments.one_more)
     names = ["X", "Y", "Z", *further_responses]
     channels = {
-        **_planes(names, mean),
-        **_planes([f"{name}.stderr" for name in names], errors.astype(np.float32)),
-        **_planes(
+        **planes(names, mean),
+        **planes([f"{name}.stderr" for name in names], errors.astype(np.float32)),
+        **planes(
             [f"{pair}.correlation" for pair in PAIRS],
             _correlation_of(moments.covariance, np.sqrt(moments.variance)),
         ),
@@ -277,7 +277,7 @@ def _channels_of(moments: ImageMoments, further_responses: Sequence[str]) -> dic
         "n": np.ascontiguousarray(moments.samples, dtype=np.uint32),
     }
     # A sensor may have responses with these names: they say more than what only viewers need.
-    rgb = {} if channels.keys() & set("RGB") else _planes("RGB", _linear_srgb(mean[..., :3]))
+    rgb = {} if channels.keys() & set("RGB") else planes("RGB", linear_srgb(mean[..., :3]))
     return {**channels, **rgb}
 
 
@@ -316,13 +316,14 @@ def _ratio(variance: Values, independent: Values) -> npt.NDArray[np.float32]:
     return ratio.astype(np.float32)
 
 
-def _linear_srgb(xyz: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
+def linear_srgb(xyz: npt.NDArray[np.float32]) -> npt.NDArray[np.float32]:
     """R, G, B with the bits of nocturne-trace: a matrix product's depend on the processor."""
     x, y, z = np.moveaxis(xyz, -1, 0)
     return np.stack([row[0] * x + row[1] * y + row[2] * z for row in _XYZ_TO_SRGB.T], axis=-1)
 
 
-def _planes(names: Sequence[str], pixels: npt.NDArray[np.float32]) -> dict[str, npt.NDArray[Any]]:
+def planes(names: Sequence[str], pixels: npt.NDArray[np.float32]) -> dict[str, npt.NDArray[Any]]:
+    """Channels of a file, from pixels that have them side by side."""
     return {name: np.ascontiguousarray(pixels[..., index]) for index, name in enumerate(names)}
 
 

@@ -20,6 +20,7 @@ from nocturne_scene.compile.lights import Lights
 from nocturne_scene.compile.media import Media
 from nocturne_scene.compile.origin import frame_of
 from nocturne_scene.compile.output import CompiledOutput, blobs_named_in
+from nocturne_scene.compile.ray_files import compile_ray_files
 from nocturne_scene.compile.sensors import compile_sensor
 from nocturne_scene.compile.shapes import Shapes
 from nocturne_scene.compile.surfaces import Surfaces
@@ -41,10 +42,12 @@ from nocturne_scene.render_warnings import RenderWarning, from_messages, of_scen
 
 # Layouts of CompiledScene; raised with every change that an older worker would misread. The second one is
 # that of scenes whose sensor tells parts of the light, the third of those with a forward_ratio, the
-# fourth of those whose photons are guided, the fifth of those with other wavelengths than 360 to 830 nm.
+# fourth of those whose photons are guided, the fifth of those with other wavelengths than 360 to 830 nm, the
+# seventh of those whose responses tell light groups apart, or that have rays of files.
 FORMAT, FORMAT_WITH_PARTS, FORMAT_WITH_RATIO, FORMAT_WITH_GUIDE, FORMAT_WITH_RANGE, FORMAT_WITH_SKY = range(
     3, 9
 )
+FORMAT_WITH_LIGHT_GROUPS = 9
 
 
 def compile_scene(document: SceneDocument, blobs: BlobStore, film: Film | None = None) -> CompiledOutput:
@@ -116,6 +119,7 @@ def _message(workspace: Workspace, film: Film | None) -> tuple[scene_pb2.Compile
         message.environment.CopyFrom(environment)
     message.distant_discs.extend(lights.distant_discs())
     message.important_shapes.extend(lights.important_shapes())
+    message.ray_sets.extend(compile_ray_files(workspace))
     _check_light(workspace, message)
     check_lamp_alone(workspace, shapes, message)
     if has_sky(message) and message.unbounded_interiors:
@@ -125,7 +129,11 @@ def _message(workspace: Workspace, film: Film | None) -> tuple[scene_pb2.Compile
     if _glows(message) and workspace.document.sensor.type in MET_BY_PHOTONS:
         _refuse_photons_beside_glow(workspace)
     tracing = workspace.document.tracing
-    if message.media and tracing.direction == "forward" and tracing.photons_together == 4:
+    if workspace.document.ray_files and not workspace.photons_can_start:
+        told = "only photons from luminaires bring this light, and not all light of this scene can start so"
+        workspace.problems.append(Problem("$.ray_files", told))
+    forward = tracing.direction == "forward" or workspace.document.ray_files
+    if message.media and forward and tracing.photons_together == 4:
         # A meter's count must not depend on where photons part behind it.
         told = "photons from luminaires travel alone through media; expected 1, or auto"
         workspace.problems.append(Problem("$.tracing.photons_together", told))
@@ -171,6 +179,8 @@ def _put_tracing(
         message.format = FORMAT_WITH_RANGE
     if message.visible_sky:
         message.format = FORMAT_WITH_SKY
+    if workspace.light_groups.names or message.ray_sets:
+        message.format = FORMAT_WITH_LIGHT_GROUPS
 
 
 def _refuse_distant_photons(workspace: Workspace) -> None:
@@ -231,7 +241,7 @@ def _all_surfaces(workspace: Workspace, instances: Instances) -> Iterator[tuple[
 
 
 def _check_light(workspace: Workspace, message: scene_pb2.CompiledScene) -> None:
-    if workspace.problems or message.luminaires or _glows(message):
+    if workspace.problems or message.luminaires or message.ray_sets or _glows(message):
         return
     if not has_sky(message):
         workspace.problems.append(

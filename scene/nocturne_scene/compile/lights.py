@@ -74,6 +74,7 @@ class Lights:
                 self._photons_cant_start()
             message.radiance.CopyFrom(colour)
             message.hidden_from = self._hidden_from(luminaire.hidden_from)
+            message.light_group = self._workspace.light_groups.number(luminaire.light_group)
             self._put_profile(message, surface, luminaire)
             self._tell_of_lost_light(message, surface, place)
             return message
@@ -169,16 +170,17 @@ class Lights:
             return None
         with self._workspace.problems_at("$.environment"):
             hidden = self._hidden_from(environment.hidden_from)
+            light_group = self._workspace.light_groups.number(environment.light_group)
             if isinstance(environment, StandardSky):
                 sky = compile_sky(self._workspace, environment)
-                return scene_pb2.Environment(map=sky, hidden_from=hidden)
+                return scene_pb2.Environment(map=sky, hidden_from=hidden, light_group=light_group)
             if not isinstance(environment, ConstantEnvironment):
                 picture = compile_map(self._workspace, environment)
-                return scene_pb2.Environment(map=picture, hidden_from=hidden)
+                return scene_pb2.Environment(map=picture, hidden_from=hidden, light_group=light_group)
             radiance = self._emission(environment.radiance, ".radiance")
             self._report_lines(environment.radiance, "$.environment.radiance")
             if radiance is not None:
-                return scene_pb2.Environment(constant=radiance, hidden_from=hidden)
+                return scene_pb2.Environment(constant=radiance, hidden_from=hidden, light_group=light_group)
             self._workspace.dropped.append(f"$.environment: emits no {self._workspace.light}")
         return None
 
@@ -248,6 +250,7 @@ class Lights:
             limb_plus=[index_of(spectrum) for spectrum in limb.limb_plus],
             limb_minus=[index_of(spectrum) for spectrum in limb.limb_minus],
             hidden_from=self._hidden_from(disc.hidden_from),
+            light_group=self._workspace.light_groups.number(disc.light_group),
         )
 
     def _from_irradiance(self, disc: DistantDisc, half_angle: float) -> int | None:

@@ -10,7 +10,7 @@ from nocturne_scene.document import bounds
 from nocturne_scene.document.luminaires import PhotometricProfile
 from nocturne_scene.document.spectra import TableSpectrum
 from nocturne_scene.photometry import files
-from nocturne_scene.photometry.intensities import BadPhotometryError, Photometry, flux, scaled
+from nocturne_scene.photometry.intensities import BadPhotometryError, Photometry, Spectrum, flux, scaled
 from nocturne_scene.spectra.published import Floats
 
 # Steps of the vertical angle, half as many as of the horizontal one, in a sum over all directions.
@@ -45,16 +45,20 @@ def compile_profile(workspace: Workspace, profile: PhotometricProfile) -> scene_
 
 def spectrum_of(workspace: Workspace, profile: PhotometricProfile) -> TableSpectrum:
     """Of a file's light, of any size. Raises Unusable."""
-    found = _read(workspace, profile).spectrum
+    return table_of(_read(workspace, profile).spectrum, ".profile.asset")
+
+
+def table_of(found: Spectrum | None, suffix: str) -> TableSpectrum:
+    """A file's spectrum. Raises Unusable at a place that ends so."""
     if found is None:
-        raise Unusable("the file has no spectrum; expected a radiance", ".profile.asset")
+        raise Unusable("the file has no spectrum; expected a radiance", suffix)
     knots = [(nm, value) for nm, value in zip(*(each.tolist() for each in found), strict=True)]
     inside = [knot for knot in knots if bounds.MIN_WAVELENGTH <= knot[0] <= bounds.MAX_WAVELENGTH]
     if not inside or len(inside) > bounds.TABLE_KNOTS:
         raise Unusable(
             f"the file's spectrum has {len(inside)} values of {bounds.MIN_WAVELENGTH:g} to "
             f"{bounds.MAX_WAVELENGTH:g} nm; expected 1 to {bounds.TABLE_KNOTS}",
-            ".profile.asset",
+            suffix,
         )
     return TableSpectrum(table=inside)
 

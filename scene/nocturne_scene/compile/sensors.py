@@ -27,7 +27,7 @@ from nocturne_scene.document.sensors import (
 from nocturne_scene.film import Film
 from nocturne_scene.meshes.similarity import Similarity
 from nocturne_scene.quantities import measured_by, photometric_quantity_of
-from nocturne_scene.responses import COLOUR, LIGHT_PARTS
+from nocturne_scene.responses import COLOUR, LIGHT_PARTS, counts_light_groups
 from nocturne_scene.spectra import colour_basis, published
 from nocturne_scene.spectra.named_responses import RESPONSES
 from nocturne_scene.spectra.wavelength_range import WavelengthRange
@@ -52,6 +52,8 @@ _MODELS = {
 def compile_sensor(workspace: Workspace, film: Film | None = None) -> scene_pb2.Sensor:
     """Return the sensor with orthonormal frames: right x up = -forward. Raises Unusable."""
     sensor = workspace.document.sensor
+    if workspace.light_groups.too_many:
+        raise Unusable(workspace.light_groups.too_many)
     first, *later = _poses(sensor, workspace.frame)
     workspace.report_motion(sensor.motion, 1 + len(later), "$.sensor")
     within = workspace.wavelengths
@@ -78,6 +80,7 @@ def compile_sensor(workspace: Workspace, film: Film | None = None) -> scene_pb2.
             *_band_responses(sensor.bands, within),
             *(_colour_responses(within) if sensor.colour else ()),
             *(_part_responses(response) if sensor.light_parts else ()),
+            *workspace.light_groups.responses(response),
         ],
         model=_MODELS[sensor.type],
     )
@@ -108,6 +111,8 @@ def unit(values: _Direction) -> _Direction:
 
 def _response(workspace: Workspace, name: str) -> scene_pb2.Response:
     spectrum = workspace.spectrum(workspace.document.sensor.responses[name])
+    if counts_light_groups(name):
+        raise Unusable("can't be a response's name: it means light of a light group", f".responses.{name}")
     values = spectra.response_curve(spectrum, workspace.wavelengths).astype(np.float32)
     if not values.any():
         raise Unusable(f"the response is zero from {workspace.wavelengths}", f".responses.{name}")

@@ -33,6 +33,7 @@ def _emission(message: scene_pb2.CompiledScene) -> list[int]:
     """The spectra that something emits."""
     found = {luminaire.radiance.spectrum for luminaire in message.luminaires}
     found |= {disc.radiance for disc in message.distant_discs}
+    found |= {rays.spectrum for rays in message.ray_sets}
     if message.environment.HasField("constant"):
         found.add(message.environment.constant)
     return sorted(found)
@@ -44,6 +45,7 @@ def _importance(sensor: scene_pb2.Sensor) -> Floats:
     importance = np.array(total, dtype=np.float64)
     for response in sensor.further_responses:
         values = np.array(response.values, dtype=np.float64)
-        if values.sum() > 0 and response.light == scene_pb2.LIGHT_PART_WHOLE:
+        of_all = response.light == scene_pb2.LIGHT_PART_WHOLE and not response.HasField("light_group")
+        if values.sum() > 0 and of_all:
             importance += values * (total.sum() / values.sum())
     return importance

@@ -109,11 +109,17 @@ def given_ways(document: SceneDocument) -> Ways:
     """The document's settings, with those of no pilot where it leaves them open."""
     tracing = document.tracing
     return Ways(
-        "adjoint" if tracing.direction == "auto" else tracing.direction,
+        _direction(document),
         1 if tracing.sharing == "auto" or _is_points(document) else tracing.sharing,
         tracing.aimed_emission or 0.0,
         forward_ratio=1.0 if tracing.forward_ratio == "auto" else tracing.forward_ratio,
     )
+
+
+def _direction(document: SceneDocument) -> str:
+    if document.tracing.direction != "auto":
+        return document.tracing.direction
+    return "forward" if document.ray_files else "adjoint"
 
 
 def open_ways(
@@ -126,7 +132,7 @@ def open_ways(
     if small and not gathers:
         return OpenWays([], default, default)
     names, asked = [PARTS] if gathers and (scene.luminaires or has_sky(scene)) else [], default
-    may_forward = tracing.direction == "auto" and photons_can_start
+    may_forward = tracing.direction == "auto" and photons_can_start and not document.ray_files
     with_forward = _forward(document, scene, film) if may_forward else None
     if with_forward is not None:
         names.append("direction")

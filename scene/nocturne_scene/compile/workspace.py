@@ -12,6 +12,7 @@ from nocturne.v1 import scene_pb2
 
 from nocturne_scene.blobs import BlobStore, NoteKey
 from nocturne_scene.compile import spectra
+from nocturne_scene.compile.light_groups import LightGroups
 from nocturne_scene.document import bounds
 from nocturne_scene.document.checks import resolve_spectrum
 from nocturne_scene.document.model import SceneDocument
@@ -77,6 +78,7 @@ class Workspace:
         self.dropped: list[str] = []
         self.warnings: list[str] = []
         self.problems: list[Problem] = []
+        self.light_groups = LightGroups(document)
         self.photons_can_start = True
         """At all luminaires, for forward photons."""
         self.spectra: Pool[scene_pb2.Spectrum] = Pool()

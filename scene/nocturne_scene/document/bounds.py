@@ -110,6 +110,7 @@ FLATTENED_INSTANCES = 1_000_000
 
 # Discs at infinity, important shapes: each is looked at from every vertex.
 DISTANT_DISCS = 100
+RAY_FILES = 100
 IMPORTANT_SHAPES = 100
 
 # Channels beyond X, Y, Z: each takes memory for every pixel.

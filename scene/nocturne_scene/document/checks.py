@@ -67,7 +67,7 @@ def resolve_spectrum(document: SceneDocument, reference: str | float | Spectrum)
 
 
 def _has_light(document: SceneDocument) -> bool:
-    if document.environment is not None or document.distant or glows(document):
+    if document.environment is not None or document.distant or document.ray_files or glows(document):
         return True
     if any(surface.luminaire is not None for surface in document.surfaces):
         return True
@@ -153,6 +153,11 @@ def _surrounding_problems(document: SceneDocument) -> Iterator[Problem]:
     if isinstance(environment, ConstantEnvironment):
         used = environment.radiance
         yield from radiance_problems(resolve_spectrum(document, used), used, "$.environment.radiance")
+    for index, file in enumerate(document.ray_files):
+        if file.radiance is not None:
+            found = resolve_spectrum(document, file.radiance)
+            place = path(("ray_files", index, "radiance"))
+            yield from radiance_problems(found, file.radiance, place, may_be_relative=True)
     for index, disc in enumerate(document.distant):
         for field in ("radiance", "irradiance"):
             reference = getattr(disc, field)
@@ -178,6 +183,17 @@ def _range_problems(document: SceneDocument) -> Iterator[Problem]:
 
 def _tracing_problems(document: SceneDocument) -> Iterator[Problem]:
     sensor = document.sensor.type
+    if document.ray_files and sensor not in MET_BY_PHOTONS:
+        yield Problem(
+            "$.ray_files",
+            f"only photons that start along the rays bring their light, and these don't meet a {sensor}; "
+            f"expected a sensor whose type is one of {quoted_list(MET_BY_PHOTONS)}",
+        )
+    if document.ray_files and document.tracing.direction in ("adjoint", "both"):
+        yield Problem(
+            "$.tracing.direction",
+            'photons from the sensor don\'t find the rays of files; expected "forward", or "auto"',
+        )
     if document.tracing.direction == "forward" and sensor not in MET_BY_PHOTONS:
         yield Problem(
             "$.tracing.direction",

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, StringConstraints, model_validator
 
 from nocturne_scene.document import bounds
 from nocturne_scene.document.fields import AssetReference, Degrees, Finite, NotNegative, Switch, Vector
@@ -11,7 +11,15 @@ from nocturne_scene.document.placement import Placement
 from nocturne_scene.document.shapes import ShapeDefinition, length, parallel, refuse_without_size
 from nocturne_scene.document.spectra import SpectrumReference
 from nocturne_scene.document.textures import ColourReference, ColourTexture
+from nocturne_scene.responses import LIGHT_GROUP_PATTERN, REST, TAKEN_LAYERS
 from nocturne_scene.textures import standard_skies
+
+
+def _is_free_name(name: str) -> str:
+    if name in TAKEN_LAYERS:
+        means = "what lights without a group bring" if name == REST else "other channels of an image"
+        raise problem_at("", f"{name!r} can't be a light group's name: it means {means}")
+    return name
 
 
 class CosineProfile(Node):
@@ -79,6 +87,19 @@ HiddenFrom = Annotated[
 ]
 
 
+LightGroup = Annotated[
+    str,
+    StringConstraints(strict=True, pattern=LIGHT_GROUP_PATTERN),
+    AfterValidator(_is_free_name),
+    Field(
+        default="",
+        description="Lights of one name are told apart from all others: further channels `NAME.X`, `NAME.Y` "
+        "and `NAME.Z` are what they bring, `rest` what lights without a name bring, and `nocturne mix` dims "
+        "them afterwards. Default: no name.",
+    ),
+]
+
+
 class Luminaire(Node):
     """What makes a surface emit light."""
 
@@ -117,6 +138,7 @@ class Luminaire(Node):
     dimming: Annotated[Finite, Field(gt=0, le=1)] = Field(
         default=1.0, description="To which part of its full light the luminaire is dimmed."
     )
+    light_group: LightGroup = ""
 
     @property
     def part_emitted(self) -> float:
@@ -158,6 +180,7 @@ class ConstantEnvironment(Node):
 
     radiance: SpectrumReference = Field(description="Spectral radiance, W m⁻² sr⁻¹ nm⁻¹.")
     hidden_from: HiddenFrom = None
+    light_group: LightGroup = ""
 
 
 class EnvironmentMap(Node):
@@ -191,6 +214,7 @@ class EnvironmentMap(Node):
         default=0.0, description="Turn of the map about `up`, counter-clockwise seen from above."
     )
     hidden_from: HiddenFrom = None
+    light_group: LightGroup = ""
 
     @model_validator(mode="after")
     def _has_frame(self) -> Self:
@@ -221,6 +245,7 @@ class StandardSky(Node):
     )
     up: Vector = Field(default=(0.0, 1.0, 0.0), description="Direction of the zenith.")
     hidden_from: HiddenFrom = None
+    light_group: LightGroup = ""
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
@@ -268,6 +293,7 @@ class DistantDisc(Node):
         default=False, description="Darker towards the edge, by wavelength, as the Sun is."
     )
     hidden_from: HiddenFrom = None
+    light_group: LightGroup = ""
 
     @model_validator(mode="after")
     def _complete(self) -> Self:

@@ -18,6 +18,7 @@ from nocturne_scene.document.media import Medium
 from nocturne_scene.document.medium_interfaces import MediumNames
 from nocturne_scene.document.node import NAMED, Node, problem_at
 from nocturne_scene.document.problems import path
+from nocturne_scene.document.ray_files import RayFile
 from nocturne_scene.document.sensors import SensorDefinition
 from nocturne_scene.document.spectra import SpectrumDefinition
 from nocturne_scene.document.surfaces import Group, Instance, Surface
@@ -85,6 +86,9 @@ class SceneDocument(Node):
     )
     distant: Annotated[list[DistantDisc], Field(max_length=bounds.DISTANT_DISCS)] = Field(
         default=[], description="Discs at infinity, such as the Sun."
+    )
+    ray_files: Annotated[list[RayFile], Field(max_length=bounds.RAY_FILES)] = Field(
+        default=[], description="Lamps as the rays of files (IES TM-25), for meters."
     )
     important_directions: Annotated[list[ImportantDirection], Field(max_length=bounds.IMPORTANT_SHAPES)] = (
         Field(default=[], description="Shapes that are worth looking at from everywhere.")

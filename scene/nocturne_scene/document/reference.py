@@ -86,6 +86,7 @@ _ORDER = (
     "EnvironmentMap",
     "StandardSky",
     "DistantDisc",
+    "RayFile",
     "ImportantDirection",
     "Wavelengths",
     "ConstantSpectrum",

@@ -61,6 +61,8 @@ def export_scene(
     findings = Findings()
     compiled = Compiled(message, blobs, document, findings)
     _report_hidden(message, findings)
+    if message.ray_sets:
+        findings.lost("$.ray_files", "lamps as the rays of a file have no equal; they are left out")
     with tempfile.TemporaryDirectory(dir=folder.absolute().parent, prefix=".export-") as kept:
         writer = SceneWriter(Path(kept) / "scene")
         writer.folder.mkdir()

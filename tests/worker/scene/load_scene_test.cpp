@@ -65,6 +65,12 @@ v1::Interior& add_body(v1::CompiledScene& message) {
   return interior;
 }
 
+v1::Response& add_counted_group(v1::CompiledScene& message) {
+  auto& response = *message.mutable_sensor()->add_further_responses();
+  *response.mutable_values() = message.sensor().response_y();
+  return response;
+}
+
 TEST(LoadScene, RefusesDamagedMessagesInWords) {
   const Damage damages[] = {
       {"format", [](auto& m) { m.set_format(1); }},
@@ -155,6 +161,19 @@ TEST(LoadScene, RefusesDamagedMessagesInWords) {
       {"further responses",
        [](auto& m) {
          for (int i = 0; i < 61; ++i) m.mutable_sensor()->add_further_responses();
+       }},
+      {"light group that no response counts",
+       [](auto& m) {
+         add_counted_group(m).set_light_group(1);
+         m.mutable_environment()->set_constant(add_spectrum(m, 1.0f));
+         m.mutable_environment()->set_light_group(2);
+       }},
+      {"rays of a file", [](auto& m) { m.add_ray_sets()->set_count(1); }},
+      {"too large a number", [](auto& m) { add_counted_group(m).set_light_group(64); }},
+      {"part of the light of a light group",
+       [](auto& m) {
+         add_counted_group(m).set_light_group(1);
+         m.mutable_sensor()->mutable_further_responses(0)->set_light(v1::LIGHT_PART_DIRECT);
        }},
   };
   for (const Damage& damage : damages) {

@@ -234,7 +234,7 @@ class Channels {
 // As nocturne_scene/response_correlations.py has it: of each tile the correlations of the errors of
 // the means of X, Y, Z and further responses over its pixels, the second with the first, the third
 // with both, and so on, as float32, little endian.
-constexpr std::size_t kMostCorrelations = std::size_t{1} << 19;
+constexpr std::size_t kMostCorrelations = std::size_t{1} << 22;
 
 std::vector<double> values_of_tiles(const TileSums& film, std::uint32_t tile_size) {
   const std::uint32_t columns = (film.width + tile_size - 1) / tile_size;

@@ -1,6 +1,7 @@
 // A disc at infinity such as the Sun: uniform, or darker towards its limb.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "luminaires/hidden_from.h"
@@ -23,6 +24,7 @@ class DistantDisc {
   DistantDisc(Vec3 direction, double half_angle, Spectrum radiance, LimbDarkening limb = {});
 
   HiddenFrom hidden_from = HiddenFrom::kNobody;
+  std::uint32_t light_group = 0;
 
   Vec3 direction() const { return frame_.normal; }
 

@@ -24,6 +24,7 @@ class Environment {
       : mean_(map.mean_radiance()), radiance_(std::move(map)) {}
 
   HiddenFrom hidden_from = HiddenFrom::kNobody;
+  std::uint32_t light_group = 0;
 
   /// Where in it a direction is.
   using Place = EnvironmentMap::Place;

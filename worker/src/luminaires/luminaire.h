@@ -59,6 +59,8 @@ class Luminaire {
 
   std::uint32_t surface;
   HiddenFrom hidden_from = HiddenFrom::kNobody;
+  /// See light_group in scene.proto.
+  std::uint32_t light_group = 0;
 
   bool two_sided() const { return two_sided_; }
   /// Whether `emitted` looks at the surface point.

@@ -78,6 +78,7 @@ void PhotonEmitter::add_sphere(std::uint32_t luminaire, const Luminaire& what, c
 
 void PhotonEmitter::finish(const LightDirections& lights, Geometry::Ball bounds) {
   distant_start_ = DistantStart(lights.important().elements());
+  for (const RaySet& rays : rays_) fluxes_.push_back(rays.mean_flux());
   const double disc_area = std::numbers::pi * bounds.radius * bounds.radius;
   for (const DistantDisc& disc : lights.discs()) {
     fluxes_.push_back(disc_area * disc.irradiance(disc.direction(), false));

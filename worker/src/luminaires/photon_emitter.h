@@ -14,6 +14,7 @@
 #include "luminaires/environment.h"
 #include "luminaires/light_directions.h"
 #include "luminaires/luminaire.h"
+#include "luminaires/ray_set.h"
 #include "sampling/sequence.h"
 #include "surfaces/geometry.h"
 
@@ -23,15 +24,17 @@ namespace nocturne {
 /// all luminaires at each wavelength, W/nm.
 template <int N>
 struct Emitted {
-  static constexpr std::uint32_t kDistant = ~0u;
+  static constexpr std::uint32_t kDistant = ~0u, kRays = kDistant - 1;
 
   Ray ray;
   Departure departure;
   Spectral<N> flux;
-  /// Index of the luminaire, or kDistant.
+  /// Index of the luminaire, kDistant, or kRays: light that starts as given rays.
   std::uint32_t luminaire;
   /// Of the luminaire there, W m-2 sr-1 nm-1.
   Spectral<N> radiance;
+  /// Of what emits it.
+  std::uint32_t light_group;
   /// The point of a luminaire, as if it had been hit.
   Hit from{};
 };
@@ -50,7 +53,9 @@ class PhotonEmitter {
   /// group; there it may be an ellipsoid.
   void add_sphere(std::uint32_t luminaire, const Luminaire& what, const Sphere& sphere,
                   const Geometry& geometry, std::uint32_t instance = Hit::kNoInstance);
-  /// After the last element. `bounds` is about as large as what distant light is emitted towards.
+  void add_rays(RaySet rays) { rays_.push_back(std::move(rays)); }
+  /// After the last element and set of rays. `bounds` is about as large as what distant light is
+  /// emitted towards.
   void finish(const LightDirections& lights, Geometry::Ball bounds);
 
   /// Time in [0, 1]; eight uniform numbers. The part `aimed` of the photons, in [0, 1), is
@@ -65,9 +70,16 @@ class PhotonEmitter {
                                  const Uniform4& b) const {
     if (cumulative_.empty()) return std::nullopt;
     const auto [chosen, probability, rest] = choose(a[2], a[3]);
+    const std::size_t near = elements_.size() + rays_.size();
+    if (chosen >= near) {
+      return emit_distant<N>(chosen - near, lights.discs(), lights.environment(), lit, aimed,
+                             wavelengths_nm, {a[0], a[1], a[2], rest}, b, probability);
+    }
     if (chosen >= elements_.size()) {
-      return emit_distant<N>(chosen - elements_.size(), lights.discs(), lights.environment(), lit,
-                             aimed, wavelengths_nm, {a[0], a[1], a[2], rest}, b, probability);
+      const RaySet& rays = rays_[chosen - elements_.size()];
+      const Spectral<N> flux = (1.0f / probability) * rays.flux(wavelengths_nm);
+      return Emitted<N>{rays.draw(a[0], a[1], b[0]), {},   flux,
+                        Emitted<N>::kRays,           flux, rays.light_group};
     }
     const Element& element = elements_[chosen];
     const Luminaire& luminaire = luminaires[element.luminaire];
@@ -84,8 +96,13 @@ class PhotonEmitter {
     const DepartingRay leaves = geometry.depart(from, direction, time);
     const Spectral<N> radiance =
         luminaire.emitted(from.normal, direction, SurfacePoint{}, wavelengths_nm);
-    return Emitted<N>{leaves.ray,        leaves.departure, scale * radiance,
-                      element.luminaire, radiance,         from};
+    return Emitted<N>{leaves.ray,
+                      leaves.departure,
+                      scale * radiance,
+                      element.luminaire,
+                      radiance,
+                      luminaire.light_group,
+                      from};
   }
 
  private:
@@ -139,7 +156,9 @@ class PhotonEmitter {
     Vec3 towards;
     float pdf;
     Spectral<N> radiance;
+    std::uint32_t light_group;
     if (which < discs.size()) {
+      light_group = discs[which].light_group;
       towards = discs[which].sample(a[0], a[1]);
       pdf = discs[which].pdf(towards);
       radiance = discs[which].radiance(towards, wavelengths_nm);
@@ -149,19 +168,19 @@ class PhotonEmitter {
       towards = drawn->direction;
       pdf = drawn->pdf;
       radiance = environment->radiance(*drawn, wavelengths_nm);
+      light_group = environment->light_group;
     }
     if (!(pdf > 0.0f)) return std::nullopt;
     const DistantStart::Start start = distant_start_.sample(towards, lit, aimed, b);
-    return Emitted<N>{{start.origin, -towards},
-                      {},
-                      (1.0f / (start.pdf * pdf * probability)) * radiance,
-                      Emitted<N>::kDistant,
-                      radiance};
+    return Emitted<N>{
+        {start.origin, -towards}, {},       (1.0f / (start.pdf * pdf * probability)) * radiance,
+        Emitted<N>::kDistant,     radiance, light_group};
   }
 
   std::vector<Element> elements_;
+  std::vector<RaySet> rays_;
   std::vector<double> fluxes_;      // only while building
-  std::vector<double> cumulative_;  // elements, discs, environment
+  std::vector<double> cumulative_;  // elements, rays, discs, environment
   DistantStart distant_start_;
 };
 

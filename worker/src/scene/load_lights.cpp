@@ -167,12 +167,23 @@ EnvironmentMap load_map(const LoadContext& context, const v1::EnvironmentMap& me
                          vector(message.z(), "a map's axis")});
 }
 
+// Each is told apart by some response, or none is.
+std::uint32_t load_light_group(const LoadContext& context, std::uint32_t number) {
+  std::uint32_t groups = 0;
+  for (const auto& response : context.message.sensor().further_responses()) {
+    if (response.has_light_group()) groups = std::max(groups, response.light_group() + 1);
+  }
+  require(groups == 0 || number < groups, "a light group that no response counts");
+  return number;
+}
+
 std::optional<Environment> load_environment(const LoadContext& context) {
   if (!context.message.has_environment()) return std::nullopt;
   const v1::Environment& message = context.message.environment();
   Environment environment = message.has_map() ? Environment(load_map(context, message.map()))
                                               : Environment(context.spectrum(message.constant()));
   environment.hidden_from = load_hidden_from(message.hidden_from());
+  environment.light_group = load_light_group(context, message.light_group());
   return environment;
 }
 
@@ -189,8 +200,20 @@ std::vector<DistantDisc> load_discs(const LoadContext& context) {
     discs.emplace_back(vector(disc.direction(), "a disc's direction"), disc.half_angle(),
                        context.spectrum(disc.radiance()), std::move(limb));
     discs.back().hidden_from = load_hidden_from(disc.hidden_from());
+    discs.back().light_group = load_light_group(context, disc.light_group());
   }
   return discs;
+}
+
+RaySet load_rays(const LoadContext& context, const v1::RaySet& message) {
+  BlobFile file(context.find_blob, message.blob(), "a set of rays");
+  require(message.count() > 0 && file.size() == message.count() * sizeof(RaySet::Recorded),
+          "a set of rays of another length than its count says");
+  return checked([&] {
+    return RaySet(file.read<RaySet::Recorded>(message.count()),
+                  context.spectrum(message.spectrum()),
+                  load_light_group(context, message.light_group()));
+  });
 }
 
 }  // namespace
@@ -211,6 +234,7 @@ std::vector<Luminaire> load_luminaires(const LoadContext& context, const Geometr
                        load_profile(message, geometry.shapes()[message.surface()], instanced));
     }));
     luminaires.back().hidden_from = load_hidden_from(message.hidden_from());
+    luminaires.back().light_group = load_light_group(context, message.light_group());
   }
   return luminaires;
 }
@@ -229,9 +253,9 @@ LightDirections load_light_directions(const LoadContext& context,
   });
 }
 
-PhotonEmitter load_emitter(const std::vector<Luminaire>& luminaires, const LightDirections& lights,
-                           const Geometry& geometry, const std::vector<std::uint32_t>& groups,
-                           const Sensor& sensor) {
+PhotonEmitter load_emitter(const LoadContext& context, const std::vector<Luminaire>& luminaires,
+                           const LightDirections& lights, const Geometry& geometry,
+                           const std::vector<std::uint32_t>& groups, const Sensor& sensor) {
   PhotonEmitter emitter;
   for (std::uint32_t i = 0; i < luminaires.size(); ++i) {
     const Luminaire& luminaire = luminaires[i];
@@ -251,6 +275,9 @@ PhotonEmitter load_emitter(const std::vector<Luminaire>& luminaires, const Light
         emitter.add_sphere(i, luminaire, sphere, geometry, shown_by);
       });
     });
+  }
+  for (const auto& message : context.message.ray_sets()) {
+    emitter.add_rays(load_rays(context, message));
   }
   emitter.finish(lights, ball_with_film(geometry.bounds(), sensor, {1, 1}));
   return emitter;

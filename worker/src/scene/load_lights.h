@@ -19,8 +19,8 @@ LightDirections load_light_directions(const LoadContext& context,
                                       const Geometry& geometry,
                                       const std::vector<std::uint32_t>& groups);
 
-PhotonEmitter load_emitter(const std::vector<Luminaire>& luminaires, const LightDirections& lights,
-                           const Geometry& geometry, const std::vector<std::uint32_t>& groups,
-                           const Sensor& sensor);
+PhotonEmitter load_emitter(const LoadContext& context, const std::vector<Luminaire>& luminaires,
+                           const LightDirections& lights, const Geometry& geometry,
+                           const std::vector<std::uint32_t>& groups, const Sensor& sensor);
 
 }  // namespace nocturne

@@ -20,7 +20,7 @@ namespace nocturne {
 namespace {
 
 /// Of scenes whose responses count parts of the light, which programs before it would not see.
-constexpr std::uint32_t kFormat = 3, kFormatWithRange = 7, kLatestFormat = 8;
+constexpr std::uint32_t kFormat = 3, kFormatWithRange = 7, kLatestFormat = 9;
 // nm, where a scene's wavelengths may lie.
 constexpr double kShortest = 200.0, kLongest = 2500.0;
 // Of one spectrum, so that a scene's size says how much work it makes.
@@ -275,11 +275,13 @@ std::shared_ptr<Scene> load_scene(const v1::CompiledScene& message, const FindBl
     } else if (options.direction == Direction::kBoth) {
       require(sensor.is_camera(), "photons in both directions need a camera");
     }
+    require(message.ray_sets().empty() || options.direction == Direction::kForward,
+            "rays of a file, which only photons from the luminaires carry");
     if (options.direction != Direction::kAdjoint) {
       const bool distant = lights.environment() || !lights.discs().empty();
       require(!distant || everywhere.empty(),
               "photons of distant light, which can't start in unbounded media");
-      emitter = load_emitter(luminaires, lights, geometry, loaded.groups, sensor);
+      emitter = load_emitter(context, luminaires, lights, geometry, loaded.groups, sensor);
       luminaires_around = luminaire_surroundings(bodies, loaded.groups, luminaires);
     }
     auto specular_like = load_specular_like(message, kernels);

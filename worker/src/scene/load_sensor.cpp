@@ -9,6 +9,8 @@ namespace {
 
 // Partials would be too large to hand over.
 constexpr int kMaxFurtherResponses = 60;
+// More than responses could tell apart.
+constexpr std::uint32_t kMaxLightGroups = 64;
 constexpr int kMaxMeters = 1 << 20;
 // Three for each of many lines.
 constexpr int kMaxKnots = 100'000;
@@ -115,6 +117,8 @@ Sensor load_sensor(const v1::Sensor& message) {
   });
 }
 
+namespace {
+
 LightPart light_part(v1::LightPart part) {
   switch (part) {
     case v1::LIGHT_PART_WHOLE:
@@ -129,6 +133,16 @@ LightPart light_part(v1::LightPart part) {
   refuse("a part of the light that this program doesn't know");
 }
 
+CountedLight counted_light(const v1::Response& response) {
+  if (!response.has_light_group()) return {light_part(response.light())};
+  require(response.light() == v1::LIGHT_PART_WHOLE,
+          "a response to a part of the light of a light group");
+  require(response.light_group() < kMaxLightGroups, "a light group of too large a number");
+  return {LightPart::kWhole, response.light_group()};
+}
+
+}  // namespace
+
 WavelengthSampler load_wavelengths(const v1::Sensor& s) {
   require(s.wavelength_sampling() == v1::WAVELENGTH_SAMPLING_RESPONSE ||
               s.wavelength_sampling() == v1::WAVELENGTH_SAMPLING_UNIFORM,
@@ -142,7 +156,7 @@ WavelengthSampler load_wavelengths(const v1::Sensor& s) {
                         {}};
   for (const auto& further : s.further_responses()) {
     curves.further.push_back(curve(further.values()));
-    curves.parts.push_back(light_part(further.light()));
+    curves.counted.push_back(counted_light(further));
   }
   return checked([&] {
     if (s.wavelength_knots_size() > 0 || s.wavelength_density_size() > 0) {

@@ -141,6 +141,22 @@ struct Scene {
     }
     return radiance;
   }
+  /// f(light group, radiance) for each source of what distant_radiance has together. `place` in the
+  /// environment, as a SkyPlace or as it was drawn, or none.
+  template <int N, class SeesPast, class Place, class F>
+  void for_each_distant_group(Vec3 direction, const Spectral<N>& wavelengths_nm,
+                              const SeesPast& sees_past, const std::optional<Place>& place,
+                              const F& f) const {
+    const auto& environment = lights.environment();
+    if (environment && !sees_past(environment->hidden_from)) {
+      f(environment->light_group, place ? environment->radiance(*place, wavelengths_nm)
+                                        : environment->radiance(direction, wavelengths_nm));
+    }
+    for (const DistantDisc& disc : lights.discs()) {
+      if (sees_past(disc.hidden_from)) continue;
+      f(disc.light_group, disc.radiance(direction, wavelengths_nm));
+    }
+  }
   /// Of the luminaire on a surface.
   HiddenFrom hidden_from(std::uint32_t surface) const {
     const std::uint32_t luminaire = materials[surface].luminaire;

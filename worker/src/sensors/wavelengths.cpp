@@ -22,7 +22,7 @@ std::vector<float> importance_of(const ResponseCurves& curves) {
     total += importance[i];
   }
   for (std::size_t further = 0; further < curves.further.size(); ++further) {
-    if (curves.part(further) != LightPart::kWhole) continue;
+    if (!curves.light(further).all()) continue;
     const std::vector<float>& curve = curves.further[further];
     double sum = 0.0;
     for (const float value : curve) sum += value;
@@ -104,8 +104,11 @@ WavelengthSampler::WavelengthSampler(const ResponseCurves& curves, const Density
     xyz_.push_back(Row{curves.x[i], curves.y[i], curves.z[i], 0.0f});
   }
   for (std::size_t i = 0; i < further_.size(); ++i) {
-    parts_.push_back(curves.part(i));
-    tells_parts_ = tells_parts_ || parts_.back() != LightPart::kWhole;
+    counted_.push_back(curves.light(i));
+    tells_parts_ = tells_parts_ || counted_.back().part != LightPart::kWhole;
+    if (const auto group = counted_.back().group) {
+      light_groups_ = std::max(light_groups_, *group + 1);
+    }
   }
 }
 

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "sensors/wavelength_density.h"
@@ -14,17 +16,25 @@ namespace nocturne {
 /// Which light a further curve counts; see LightPart in scene.proto.
 enum class LightPart { kWhole, kDirect, kIndirect };
 
+/// All light, or a part of it: direct or indirect, or that of a light group.
+struct CountedLight {
+  LightPart part = LightPart::kWhole;
+  std::optional<std::uint32_t> group = std::nullopt;
+
+  bool all() const { return part == LightPart::kWhole && !group; }
+};
+
 /// Sampled response curves on one equally spaced grid, linear in between; per nm, K_m included.
 struct ResponseCurves {
   float first_nm, step_nm;
   std::vector<float> x, y, z;
   /// Any number more.
   std::vector<std::vector<float>> further;
-  /// Of each of these; of those that are missing here, the whole light.
-  std::vector<LightPart> parts = {};
+  /// Of each of these; of those that are missing here, all light.
+  std::vector<CountedLight> counted = {};
 
-  LightPart part(std::size_t curve) const {
-    return curve < parts.size() ? parts[curve] : LightPart::kWhole;
+  CountedLight light(std::size_t curve) const {
+    return curve < counted.size() ? counted[curve] : CountedLight{};
   }
 };
 
@@ -43,7 +53,7 @@ struct DensityTable {
   std::vector<float> knots_nm, values;
 };
 
-/// Draws wavelengths: in proportion to X + Y + Z, with further curves of the whole light counting
+/// Draws wavelengths: in proportion to X + Y + Z, with further curves of all light counting
 /// as much, so that parts change nothing; uniformly; or from a density that is given, such as one
 /// that finds narrow lines.
 class WavelengthSampler {
@@ -80,9 +90,11 @@ class WavelengthSampler {
   }
 
   std::size_t further_curves() const { return further_.size(); }
-  LightPart part(std::size_t curve) const { return parts_[curve]; }
-  /// Whether any curve counts a part of the light only.
+  const CountedLight& light(std::size_t curve) const { return counted_[curve]; }
+  /// Whether any curve counts direct or indirect light only.
   bool tells_parts() const { return tells_parts_; }
+  /// One more than the largest light group that any curve counts; 0: none asks.
+  std::uint32_t light_groups() const { return light_groups_; }
 
   /// The same as `weight` for a further curve.
   template <int N>
@@ -110,8 +122,9 @@ class WavelengthSampler {
   float first_nm_, inverse_step_;
   std::vector<Row> xyz_;  // side by side; the fourth fills the row
   std::vector<std::vector<float>> further_;
-  std::vector<LightPart> parts_;
+  std::vector<CountedLight> counted_;
   bool tells_parts_ = false;
+  std::uint32_t light_groups_ = 0;
 };
 
 }  // namespace nocturne

@@ -38,6 +38,8 @@ struct BatchSample {
   float spread;
   /// What a forward photon of weight 1 carries, W/nm.
   Spectral<N> flux;
+  /// Of a forward photon.
+  std::uint32_t light_group;
 };
 
 /// What else is known of a group at the end of its ray.
@@ -80,6 +82,14 @@ struct ShadowRay {
   bool direct;
 };
 
+/// Of a shadow ray's light, that of one light group.
+template <int N>
+struct ShadowLight {
+  std::size_t ray;
+  std::uint32_t light_group;
+  Spectral<N> light;
+};
+
 /// A forward photon that flies towards the camera.
 template <int N>
 struct CameraRay {
@@ -109,6 +119,7 @@ struct Batch {
       : scene(traced),
         options(traced.options),
         both(traced.options.direction == Direction::kBoth),
+        tells_groups(traced.wavelengths.light_groups() > 0),
         knows_ends(both || traced.options.gathered != TracingOptions::Gathered::kWithAll),
         occlusion_decides(traced.occlusion_decides &&
                           (traced.lights.learned().empty() || !traced.options.guide)),
@@ -142,6 +153,8 @@ struct Batch {
   const Scene& scene;
   const TracingOptions& options;
   const bool both;
+  /// Light groups are told apart.
+  const bool tells_groups;
   /// Whether groups note their paths' ends.
   const bool knows_ends;
   /// Visibility of a light is the only question. Guided photons pass mirrors.
@@ -163,6 +176,8 @@ struct Batch {
   /// Of adjoint photons.
   Sharing<N> sharing;
   std::vector<ShadowRay<N>> shadow_rays;
+  /// In their order, and only where light groups are told apart.
+  std::vector<ShadowLight<N>> shadow_lights;
   std::vector<std::uint8_t> blocked;
   std::vector<CameraRay<N>> camera_rays;
   std::vector<std::uint32_t> under_way;

@@ -58,6 +58,8 @@ struct Start {
   /// Of forward photons, W/nm; and whether they come from a distance that no scene has.
   Spectral<N> flux = 1.0f;
   bool distant = false;
+  /// Of what emitted them.
+  std::uint32_t light_group = 0;
 };
 
 template <int N>

@@ -3,6 +3,7 @@
 #include "scene/sensor_extents.h"
 #include "tracer/estimators/arrival_estimator.h"
 #include "tracer/estimators/camera_estimator.h"
+#include "tracer/estimators/leaving_estimator.h"
 #include "tracer/estimators/sensor_estimator.h"
 #include "tracer/photon_loop.h"
 #include "tracer/photon_start.h"
@@ -46,7 +47,11 @@ void PhotonBatches<N, Estimator, Media>::trace(std::uint64_t first, std::size_t 
 template <int N, class Estimator, bool Media>
 std::uint32_t PhotonBatches<N, Estimator, Media>::add(const Splat<N>& splat, double* values) const {
   const Response<N> response(scene_.wavelengths, wavelengths_[splat.sample]);
-  return response.add(splat.value, splat.direct ? splat.value : Spectral<N>(0.0f), scale_, values);
+  const auto part_of = [&](const CountedLight& light) {
+    const bool counts = light.group ? *light.group == splat.light_group : splat.direct;
+    return counts ? splat.value : Spectral<N>(0.0f);
+  };
+  return response.add(splat.value, part_of, scale_, values);
 }
 
 template class PhotonBatches<1, SensorEstimator<1>, false>;
@@ -61,5 +66,9 @@ template class PhotonBatches<1, ArrivalEstimator<1>, false>;
 template class PhotonBatches<1, ArrivalEstimator<1>, true>;
 template class PhotonBatches<4, ArrivalEstimator<4>, false>;
 template class PhotonBatches<4, ArrivalEstimator<4>, true>;
+template class PhotonBatches<1, LeavingEstimator<1>, false>;
+template class PhotonBatches<1, LeavingEstimator<1>, true>;
+template class PhotonBatches<4, LeavingEstimator<4>, false>;
+template class PhotonBatches<4, LeavingEstimator<4>, true>;
 
 }  // namespace nocturne

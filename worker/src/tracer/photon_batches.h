@@ -10,8 +10,8 @@
 
 namespace nocturne {
 
-/// Estimator is SensorEstimator, CameraEstimator or ArrivalEstimator; N is 1 or 4; Media says
-/// whether the scene has any.
+/// Estimator is SensorEstimator, CameraEstimator, ArrivalEstimator or LeavingEstimator; N is 1 or
+/// 4; Media says whether the scene has any.
 template <int N, class Estimator, bool Media>
 class PhotonBatches {
  public:
@@ -24,6 +24,7 @@ class PhotonBatches {
   /// The splats that they brought: by photon (from 0 for `first`), then as it was counted.
   const std::vector<Splat<N>>& splats() { return estimator_.splats(); }
   const Estimator& estimator() const { return estimator_; }
+  Estimator& estimator() { return estimator_; }
   /// Adds a splat to the values of its pixel's sample; returns the invalid samples in it.
   std::uint32_t add(const Splat<N>& splat, double* values) const;
 

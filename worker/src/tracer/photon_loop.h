@@ -57,6 +57,7 @@ void start(Batch<N, Estimator, Media>& batch, const Start<N>& from,
   sample.time = from.time;
   sample.spread = from.spread;
   sample.flux = from.flux;
+  sample.light_group = from.light_group;
   if constexpr (Media) batch.flights.emplace_back(batch.scene, from.wavelengths, batch.limits);
   if (!(largest(from.flux) > 0.0f)) return;  // nothing was emitted
   Group<N>& group = batch.groups.emplace_back(from, sequence);
@@ -344,7 +345,12 @@ void connect_to_lights(Batch& batch) {
       batch.estimator.add(shadow.tally, shadow.light, shadow.direct);
     }
   }
+  for (const auto& part : batch.shadow_lights) {
+    if (batch.blocked[part.ray] != 0) continue;
+    batch.estimator.add_of_group(batch.shadow_rays[part.ray].tally, part.light_group, part.light);
+  }
   batch.shadow_rays.clear();
+  batch.shadow_lights.clear();
 }
 
 /// Connections between vertices known at both ends.

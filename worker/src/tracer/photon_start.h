@@ -52,8 +52,11 @@ PhotonStart<N> start_photon(const Scene& scene, const Geometry::Ball& lit,
   start.departure = emitted->departure;
   start.time = time;
   start.flux = emitted->flux;
+  start.light_group = emitted->light_group;
   start.distant = emitted->luminaire == Emitted<N>::kDistant;
-  if (!start.distant) {
+  if (emitted->luminaire == Emitted<N>::kRays) {
+    start.inside = scene.everywhere;
+  } else if (!start.distant) {
     start.inside =
         bodies_at_luminaire(scene, emitted->luminaire, emitted->from, emitted->ray.direction, time);
   }

@@ -73,8 +73,10 @@ void PixelBatches<N, Media>::trace(std::span<const PixelIndex> samples, TileSums
   counts.truncated_paths += batch_.limits.truncated();
   for (std::size_t i = 0; i < samples.size(); ++i, values += counts.values()) {
     const Response<N> response(scene_.wavelengths, samples_[i].wavelengths);
-    counts.invalid_samples += response.add(estimator_.radiance(i), estimator_.direct_radiance(i),
-                                           samples_[i].weight, values);
+    counts.invalid_samples += response.add(
+        estimator_.radiance(i),
+        [&](const CountedLight& light) { return estimator_.radiance(i, light); },
+        samples_[i].weight, values);
   }
 }
 

@@ -20,11 +20,14 @@ class Response {
   /// Adds `scale` times the response to a sample's values: X, Y, Z, further responses. Returns the
   /// number of photons left out.
   std::uint32_t add(const Spectral<N>& radiance, double scale, double* values) const {
-    return add(radiance, radiance, scale, values);
+    return add(
+        radiance, [&](const CountedLight&) { return radiance; }, scale, values);
   }
 
-  /// The same where only `direct` of the radiance is direct light.
-  std::uint32_t add(const Spectral<N>& radiance, const Spectral<N>& direct, double scale,
+  /// The same where `part_of(light)` of the radiance is what a further curve counts: of direct and
+  /// indirect light the direct one, else that of the light groups.
+  template <class PartOf>
+  std::uint32_t add(const Spectral<N>& radiance, const PartOf& part_of, double scale,
                     double* values) const {
     Spectral<N> kept = radiance;
     std::uint32_t invalid_samples = 0;
@@ -35,22 +38,24 @@ class Response {
     }
     for (std::size_t c = 0; c < 3; ++c) values[c] += scale * mean(wavelengths_.weight[c], kept);
     for (std::size_t c = 0; c < sampler_.further_curves(); ++c) {
-      values[TileSums::kXyzValues + c] += scale * mean(sampler_.further_weight(c, wavelengths_),
-                                                       part(sampler_.part(c), kept, direct));
+      const CountedLight& light = sampler_.light(c);
+      const Spectral<N> counted = light.all() ? kept : part(light.part, kept, part_of(light));
+      if (!(largest(counted) > 0.0f)) continue;
+      values[TileSums::kXyzValues + c] +=
+          scale * mean(sampler_.further_weight(c, wavelengths_), counted);
     }
     return invalid_samples;
   }
 
  private:
   /// Nothing of the light that is left out.
-  static Spectral<N> part(LightPart which, const Spectral<N>& kept, const Spectral<N>& direct) {
-    if (which == LightPart::kWhole) return kept;
+  static Spectral<N> part(LightPart which, const Spectral<N>& kept, const Spectral<N>& known) {
     return each(
-        [which](float all, float straight) {
-          const float found = std::min(all, straight);
-          return which == LightPart::kDirect ? found : all - found;
+        [which](float all, float some) {
+          const float found = std::min(all, some);
+          return which == LightPart::kIndirect ? all - found : found;
         },
-        kept, direct);
+        kept, known);
   }
 
   static double mean(const Spectral<N>& weight, const Spectral<N>& radiance) {

@@ -81,7 +81,7 @@ def measure(
         *(_outline("polygon", text) for text in polygon or []),
         *(_outline("line", text) for text in line or []),
     ]
-    file = _file(target)
+    file = file_named(target)
     if file is not None and keep:
         raise NocturneClientError("--keep: parts are kept with renders of the service, and not in files")
     if file is not None:
@@ -122,7 +122,7 @@ def glare(
     as_json: AsJson = False,
 ) -> None:
     """Unified glare rating (CIE 117) and daylight glare probability of an eye that looks at a panorama."""
-    file = _file(target)
+    file = file_named(target)
     if file is not None:
         from nocturne_client.local.measuring import glare_of_file
 
@@ -157,7 +157,7 @@ def point(
         CONSOLE.print(f"colour ahead: {kelvin} K, Duv {duv} (95 %)", highlight=False)
 
 
-def _file(target: str) -> Path | None:
+def file_named(target: str) -> Path | None:
     """A file by its ending, so that what is missing is told as such."""
     if target.lower().endswith(".exr"):
         return Path(target)

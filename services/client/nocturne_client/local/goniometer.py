@@ -54,7 +54,7 @@ def measure_lamp(asked: Goniometer) -> None:
     if asked.scene.suffix.lower() == RAY_FILE:
         _write_files(asked, _of_rays(asked))
         return
-    _check_sensor(asked)
+    check_sensor(asked.scene, asked.changes)
     with tempfile.TemporaryDirectory(prefix="nocturne-goniometer-") as folder:
         image = Path(folder) / "image.exr"
         film = asked.horizontal, asked.vertical, asked.samples
@@ -111,17 +111,18 @@ def table_of(found: MeterImage) -> str:
     return text.getvalue()
 
 
-def _check_sensor(asked: Goniometer) -> None:
-    if "sensor" in asked.changes:
+def check_sensor(scene: Path, changes: Mapping[str, Any]) -> None:
+    """Raises NocturneClientError where the sensor is no intensity meter."""
+    if "sensor" in changes:
         return
     try:
-        sensor = json.loads(asked.scene.read_text()).get("sensor", {})
+        sensor = json.loads(scene.read_text()).get("sensor", {})
     except (OSError, ValueError, AttributeError):
         return  # told where it is compiled
     kind = sensor.get("type") if isinstance(sensor, dict) else None
     if kind != "intensity_meter":
         raise NocturneClientError(
-            f"{asked.scene}: the sensor is {kind}; expected an intensity_meter, or --centre and --radius of "
+            f"{scene}: the sensor is {kind}; expected an intensity_meter, or --centre and --radius of "
             "the sphere that holds the lamp"
         )
 

@@ -22,8 +22,8 @@ class CameraEstimator {
   void reaches(const BatchSample<N>& sample, const Group<N>& group,
                const CameraConnection& connection) {
     splats_.push_back({group.sample, connection.pixel,
-                       connection.weight * (sample.flux * group.weight),
-                       meets_direct_light(group)});
+                       connection.weight * (sample.flux * group.weight), meets_direct_light(group),
+                       sample.light_group});
   }
 
   void flies(const BatchSample<N>&, const Group<N>&, const Hit*) {}

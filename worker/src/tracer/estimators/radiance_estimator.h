@@ -28,7 +28,9 @@ class RadianceEstimator {
   static constexpr Transport kTransport = Transport::kAdjoint;
 
   explicit RadianceEstimator(const Scene& scene)
-      : scene_(scene), tells_parts_(scene.wavelengths.tells_parts()) {}
+      : scene_(scene),
+        tells_parts_(scene.wavelengths.tells_parts()),
+        light_groups_(scene.wavelengths.light_groups()) {}
 
   /// From now on, with each photon that meets the sky.
   void keep_sightings(SkySightings& sightings) { sightings_ = &sightings; }
@@ -37,10 +39,12 @@ class RadianceEstimator {
   void reset(std::size_t samples) {
     radiance_.assign(samples, {});
     if (tells_parts_) direct_.assign(samples, {});
+    of_groups_.assign(samples * light_groups_, {});
   }
   std::uint32_t add_tally() {
     radiance_.emplace_back();
     if (tells_parts_) direct_.emplace_back();
+    of_groups_.resize(of_groups_.size() + light_groups_);
     return static_cast<std::uint32_t>(radiance_.size() - 1);
   }
   bool found(std::uint32_t tally) const {
@@ -50,6 +54,9 @@ class RadianceEstimator {
   void take(std::size_t sample, std::uint32_t tally, const Spectral<N>& factor) {
     add_scaled(radiance_[sample], factor, radiance_[tally]);
     if (tells_parts_) add_scaled(direct_[sample], factor, direct_[tally]);
+    for (std::uint32_t light_group = 0; light_group < light_groups_; ++light_group) {
+      add_scaled(of_group(sample, light_group), factor, of_group(tally, light_group));
+    }
   }
 
   /// Its place in the environment where that was looked up.
@@ -59,8 +66,11 @@ class RadianceEstimator {
     if (hit != nullptr || !scene_.has_distant_light()) return;
     if (sightings_ != nullptr) keep_sighting(sample, group);
     const auto past = [&](HiddenFrom hidden) { return sees_past(group, hidden); };
+    const auto each_group = [&](const auto& f) {
+      scene_.for_each_distant_group(group.ray.direction, sample.wavelengths, past, place, f);
+    };
     add_light(group, scene_.distant_radiance(group.ray.direction, sample.wavelengths, past, place),
-              place);
+              each_group, place);
   }
 
   void arrives(const BatchSample<N>& sample, const Group<N>& group, const Hit& hit) {
@@ -74,16 +84,19 @@ class RadianceEstimator {
     if (nearly()) return;
     if (sees_past(group, scene_.luminaires[luminaire].hidden_from)) return;
     if (brought_from_luminaire(group, hit.position)) return;
-    add_light(group, scene_.emitted(scene_.luminaires[luminaire], hit, -group.ray.direction,
-                                    sample.time, sample.wavelengths));
+    const Spectral<N> light = scene_.emitted(scene_.luminaires[luminaire], hit,
+                                             -group.ray.direction, sample.time, sample.wavelengths);
+    add_light(group, light,
+              [&](const auto& f) { f(scene_.luminaires[luminaire].light_group, light); });
   }
 
   /// No photon towards lights could have counted it.
   void glows(const BatchSample<N>& sample, const Group<N>& group, const Hit& hit) {
     if (scene_.options.least_radiance > 0.0f) return;
-    add(group.tally,
-        group.weight * scene_.medium(hit.surface).source(hit.position, sample.wavelengths),
-        meets_direct_light(group));
+    const Spectral<N> found =
+        group.weight * scene_.medium(hit.surface).source(hit.position, sample.wavelengths);
+    add(group.tally, found, meets_direct_light(group));
+    if (light_groups_ > 0) add_of_group(group.tally, kUngrouped, found);
   }
 
   void add(std::uint32_t tally, const Spectral<N>& found, bool direct) {
@@ -91,18 +104,25 @@ class RadianceEstimator {
     if (tells_parts_ && direct) add_to(direct_[tally], found);
   }
 
+  /// What of it is of a light group; only where these are told apart.
+  void add_of_group(std::uint32_t tally, std::uint32_t light_group, const Spectral<N>& found) {
+    add_to(of_group(tally, light_group), found);
+  }
+
   /// What each photon of a sample found: an estimate of spectral radiance at its wavelength, W m-2
   /// sr-1 nm-1.
   Spectral<N> radiance(std::size_t sample) const { return rounded(radiance_[sample]); }
 
-  /// What of it is direct; nothing where no response asks.
-  Spectral<N> direct_radiance(std::size_t sample) const {
-    return tells_parts_ ? rounded(direct_[sample]) : Spectral<N>(0.0f);
+  /// What of it is of a light group, or else direct; only where some response counts that.
+  Spectral<N> radiance(std::size_t sample, const CountedLight& light) const {
+    return rounded(light.group ? of_group(sample, *light.group) : direct_[sample]);
   }
 
  private:
   using Tally = std::array<double, N>;
   using Gathered = TracingOptions::Gathered;
+  // The light group of what was given none.
+  static constexpr std::uint32_t kUngrouped = 0;
 
   static void add_to(Tally& sum, const Spectral<N>& found) {
     for (std::size_t i = 0; i < N; ++i) sum[i] += static_cast<double>(found[i]);
@@ -157,8 +177,16 @@ class RadianceEstimator {
            Transport::kForward;
   }
 
-  // With the MIS weight of the technique that met it.
-  void add_light(const Group<N>& group, const Spectral<N>& light,
+  Tally& of_group(std::size_t tally, std::uint32_t light_group) {
+    return of_groups_[tally * light_groups_ + light_group];
+  }
+  const Tally& of_group(std::size_t tally, std::uint32_t light_group) const {
+    return of_groups_[tally * light_groups_ + light_group];
+  }
+
+  // With the MIS weight of the technique that met it. `each_group(f)`: f(light group, its light).
+  template <class EachGroup>
+  void add_light(const Group<N>& group, const Spectral<N>& light, const EachGroup& each_group,
                  const LightDirections::SkyPlace& place = {}) {
     if (!counts_for(group)) return;
     if (largest(light) < scene_.options.least_radiance) return;
@@ -177,6 +205,10 @@ class RadianceEstimator {
       found *= by_kernel ? power_share(kernel, lights) : power_share(lights, kernel) / lights;
     }
     add(group.tally, found, meets_direct_light(group));
+    if (light_groups_ == 0) return;
+    each_group([&](std::uint32_t light_group, const Spectral<N>& part) {
+      add_of_group(group.tally, light_group, found * ratio(part, light));
+    });
   }
 
   // Of what meets the sky by either technique. Where the density towards lights is high already, as
@@ -200,8 +232,10 @@ class RadianceEstimator {
 
   const Scene& scene_;
   const bool tells_parts_;
+  const std::uint32_t light_groups_;
   SkySightings* sightings_ = nullptr;
   std::vector<Tally> radiance_, direct_;  // by tally
+  std::vector<Tally> of_groups_;          // by tally, then light group
 };
 
 }  // namespace nocturne

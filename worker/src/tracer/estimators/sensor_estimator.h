@@ -43,7 +43,7 @@ class SensorEstimator {
             : scene_.transmittance(group.inside, splat->distance, sample.wavelengths);
     splats_.push_back({group.sample, splat->pixel,
                        splat->weight * (sample.flux * group.weight * left),
-                       meets_direct_light(group)});
+                       meets_direct_light(group), sample.light_group});
   }
 
   const Scene& scene_;

@@ -18,6 +18,8 @@ struct Splat {
   Spectral<N> value;
   /// See meets_direct_light.
   bool direct;
+  /// Of what emitted it.
+  std::uint32_t light_group;
 };
 
 /// In the order of the samples; those of one sample as they were counted.

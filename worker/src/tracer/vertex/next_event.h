@@ -86,6 +86,18 @@ void ask_for_light(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
   shadow.tally = group.tally;
   shadow.light = found;
   shadow.direct = meets_direct_light(group);
+  if (!batch.tells_groups) return;
+  const auto add = [&](std::uint32_t light_group, const Spectral<N>& part) {
+    batch.shadow_lights.push_back(
+        {batch.shadow_rays.size() - 1, light_group, found * ratio(part, radiance)});
+  };
+  if (light.luminaire != Emission::kNoLuminaire) {
+    add(scene.luminaires[light.luminaire].light_group, radiance);
+  } else {
+    scene.for_each_distant_group(
+        light.direction, sample.wavelengths, [](HiddenFrom) { return false; }, light.environment,
+        add);
+  }
 }
 
 /// Where nothing between can let light through.
