@@ -4,6 +4,8 @@ KNOWN = {
     "planets forwards": "with an atmosphere films are not traced from luminaires, and cameras only with "
     "aims: of photons that start on a ball around the planet none gets to a film",
     "glow forwards": "meters beside media that glow are traced from the meter: no photon starts in a medium",
+    "tilted normals forwards": "meters beside surfaces with normal maps or bump maps are traced from the "
+    "meter: a photon from a luminaire does not know from where such a normal is looked at",
     "beside an intensity meter": "what is outside of its ball is met by photons from the meter; those from "
     "luminaires count where they leave the scene at last, so they are no second method there",
     "lamps of one surface": "lamps in groups have no flux and no photometric file, which are of one surface",

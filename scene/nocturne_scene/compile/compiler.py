@@ -128,6 +128,8 @@ def _message(workspace: Workspace, film: Film | None) -> tuple[scene_pb2.Compile
         _refuse_lost_photons(workspace, message)
     if _glows(message) and workspace.document.sensor.type in MET_BY_PHOTONS:
         _refuse_photons_beside_glow(workspace)
+    if _has_tilted_normals(message) and workspace.document.sensor.type in MET_BY_PHOTONS:
+        _refuse_photons_on_tilted_normals(workspace)
     tracing = workspace.document.tracing
     if workspace.document.ray_files and not workspace.photons_can_start:
         told = "only photons from luminaires bring this light, and not all light of this scene can start so"
@@ -194,6 +196,23 @@ def _refuse_distant_photons(workspace: Workspace) -> None:
 
 def _glows(message: scene_pb2.CompiledScene) -> bool:
     return any(medium.HasField("temperature") for medium in message.media)
+
+
+def _has_tilted_normals(message: scene_pb2.CompiledScene) -> bool:
+    return any(each.HasField("normal_map") or each.HasField("bump_map") for each in message.surfaces)
+
+
+def _refuse_photons_on_tilted_normals(workspace: Workspace) -> None:
+    """Where a texture tilts a normal away from who looks, the surface's own counts; where it tilts it away
+    from the light, none comes. A photon from a luminaire knows the light's side alone: a meter that looks
+    over such a floor at a low angle read a fifth less."""
+    workspace.photons_can_start = False
+    if workspace.document.tracing.direction == "forward":
+        told = (
+            "photons from luminaires do not know from where a normal map or a bump map is looked at; "
+            'expected "adjoint"'
+        )
+        workspace.problems.append(Problem("$.tracing.direction", told))
 
 
 def _refuse_photons_beside_glow(workspace: Workspace) -> None:
