@@ -386,7 +386,7 @@ def test_photons_know_which_sky_is_visible(
     scene = scene_pb2.CompiledScene.FromString(blobs.path(output.scene_sha256).read_bytes())
     assert "sky" in trace.asked[0][0]
     assert (scene.visible_sky, scene.format) == (bytes(range(16)), 8)
-    assert output.way.startswith("photons from the sensor, that know which sky is visible: no other way")
+    assert output.way.startswith("photons from the sensor, that know which sky is visible: no other method")
     # Where there is none, where nobody is to be guided, and where nothing is drawn towards the sky.
     for left_out in ({"guide": "none"}, {"estimator": "mixture"}):
         compiled({**document, "tracing": left_out}, blobs, LARGE)
