@@ -122,14 +122,7 @@ def _message(workspace: Workspace, film: Film | None) -> tuple[scene_pb2.Compile
     message.ray_sets.extend(compile_ray_files(workspace))
     _check_light(workspace, message)
     check_lamp_alone(workspace, shapes, message)
-    if has_sky(message) and message.unbounded_interiors:
-        _refuse_distant_photons(workspace)
-    if has_sky(message) and workspace.document.atmosphere is not None:
-        _refuse_lost_photons(workspace, message)
-    if _glows(message) and workspace.document.sensor.type in MET_BY_PHOTONS:
-        _refuse_photons_beside_glow(workspace)
-    if _has_tilted_normals(message) and workspace.document.sensor.type in MET_BY_PHOTONS:
-        _refuse_photons_on_tilted_normals(workspace)
+    _refuse_photons_of_luminaires(workspace, message)
     tracing = workspace.document.tracing
     if workspace.document.ray_files and not workspace.photons_can_start:
         told = "only photons from luminaires bring this light, and not all light of this scene can start so"
@@ -196,6 +189,18 @@ def _refuse_distant_photons(workspace: Workspace) -> None:
 
 def _glows(message: scene_pb2.CompiledScene) -> bool:
     return any(medium.HasField("temperature") for medium in message.media)
+
+
+def _refuse_photons_of_luminaires(workspace: Workspace, message: scene_pb2.CompiledScene) -> None:
+    """Where they would not bring all light, or bring it wrong."""
+    if has_sky(message) and message.unbounded_interiors:
+        _refuse_distant_photons(workspace)
+    if has_sky(message) and workspace.document.atmosphere is not None:
+        _refuse_lost_photons(workspace, message)
+    if _glows(message) and workspace.document.sensor.type in MET_BY_PHOTONS:
+        _refuse_photons_beside_glow(workspace)
+    if _has_tilted_normals(message) and workspace.document.sensor.type in MET_BY_PHOTONS:
+        _refuse_photons_on_tilted_normals(workspace)
 
 
 def _has_tilted_normals(message: scene_pb2.CompiledScene) -> bool:
