@@ -46,10 +46,7 @@ class InstantQueue(JobQueue):
         known, self._known = self._known, True
         return known
 
-    def publish(self, jobs: Iterable[bytes], quick: bool = False) -> list[bytes]:
-        if quick:
-            # The jobs themselves are done at once.
-            raise NotImplementedError
+    def publish(self, jobs: Iterable[bytes]) -> list[bytes]:
         began = time.process_time()
         entries = []
         for job in jobs:

@@ -11,7 +11,6 @@ from nocturne_coordinator.dispatch.liveness import Holder
 from nocturne_coordinator.enrolment import machine_of
 from nocturne_coordinator.errors import QueueError
 from nocturne_coordinator.queue.job_queue import SESSION_SECONDS, Entry, JobQueue, ResultEntry, Session
-from nocturne_coordinator.queue.keys import is_quick
 
 from tests.coordinator.simulated_worker import Alter, simulated_result, unaltered
 
@@ -99,9 +98,9 @@ class MemoryQueue(JobQueue):
         if self.lost_answers():
             raise QueueError("the answer is lost")
 
-    def new_entry(self, quick: bool = False) -> bytes:
+    def new_entry(self) -> bytes:
         self._numbers += 1
-        return f"{0 if quick else int(1000 * self._clock.moment().unix)}-{self._numbers}".encode()
+        return f"{int(1000 * self._clock.moment().unix)}-{self._numbers}".encode()
 
     # --- as the coordinator sees it ---
 
@@ -121,11 +120,11 @@ class MemoryQueue(JobQueue):
         if not session.shared and self.session[0] == session.text:
             self.session = b"", 0.0
 
-    def publish(self, jobs: Iterable[bytes], quick: bool = False) -> list[bytes]:
+    def publish(self, jobs: Iterable[bytes]) -> list[bytes]:
         self.check_up()
         entries = []
         for job in jobs:
-            entries.append(self.new_entry(quick))
+            entries.append(self.new_entry())
             self.job_stream[entries[-1]] = job
         self.most = max(self.most, len(self.job_stream))
         self._answered()
@@ -161,7 +160,7 @@ class MemoryQueue(JobQueue):
         return found()
 
     def jobs_waiting(self) -> int:
-        return sum(not is_quick(entry) for entry in self.job_stream)
+        return len(self.job_stream)
 
     def results_waiting(self) -> int:
         return len(self.result_stream)
@@ -188,15 +187,15 @@ class MemoryQueue(JobQueue):
 
     # --- as workers see it ---
 
-    def take(self, worker: str, lease: float, quick: bool = False) -> tuple[bytes, bytes] | None:
+    def take(self, worker: str, lease: float) -> tuple[bytes, bytes] | None:
         """XREADGROUP, then XAUTOCLAIM."""
         for entry, data in self.job_stream.items():
-            if entry not in self.delivered and is_quick(entry) == quick:
+            if entry not in self.delivered:
                 self.delivered.add(entry)
                 self.pending[entry] = Delivery(worker, self._clock.now)
                 return entry, data
         for entry, delivery in list(self.pending.items()):
-            if delivery.renewed < self._clock.now - lease and is_quick(entry) == quick:
+            if delivery.renewed < self._clock.now - lease:
                 if entry not in self.job_stream:
                     del self.pending[entry]
                     continue
@@ -231,20 +230,14 @@ class Worker:
         lease: float = 1.0,
         dies: Callable[[job_pb2.JobResult], bool] = lambda _: False,
         profile: str = "",
-        quick: bool = False,
     ) -> None:
-        """`quick`: it is the thread of that worker which does quick jobs."""
-        self.name, self.is_quick = name, quick
+        self.name = name
         self.jobs_done = 0
         self._queue, self._clock = queue, clock
         self._alter, self.delay, self._lease, self._dies, self._profile = alter, delay, lease, dies, profile
         self._started = clock.moment().unix
         self._job: tuple[bytes, bytes] | None = None
         self._done_at = 0.0
-        self.seconds: Callable[[job_pb2.Job], float] = lambda _: self.delay
-        """That a job takes."""
-        self.quick: Worker | None = None
-        """Its thread for quick jobs, if it has one."""
         self.next_at = clock.now
         clock.workers.append(self)
 
@@ -286,8 +279,8 @@ class Worker:
             names = (self.name, machine_of(self.name))
             if any(self._queue.without_jobs.get(name, 0.0) > now for name in names):
                 return
-            self._job = self._queue.take(self.name, self._lease, self.is_quick)
-            self._done_at = now + self._takes()
+            self._job = self._queue.take(self.name, self._lease)
+            self._done_at = now + self.delay
         elif now >= self._done_at:
             self._finish(*self._job)
         if self._job is not None:
@@ -296,19 +289,9 @@ class Worker:
                 delivery.renewed = now
             self.next_at = min(now + self._lease / 3, max(self._done_at, now + 1e-3))
 
-    def _takes(self) -> float:
-        if self._job is None:
-            return 0.0
-        job = job_pb2.Job.FromString(self._job[1])
-        return min(self.seconds(job), job.max_cpu_seconds) if job.quick else self.seconds(job)
-
     def _finish(self, entry: bytes, data: bytes) -> None:
         job = job_pb2.Job.FromString(data)
         result = simulated_result(job, self.name)
-        if job.quick and self.seconds(job) > job.max_cpu_seconds:
-            result = job_pb2.JobResult(
-                job=job, worker_id=self.name, failure="It takes long.", stopped_too_long=True
-            )
         result.floating_point_profile = self._profile
         if self._dies(result):
             self.die()

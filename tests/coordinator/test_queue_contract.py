@@ -1,5 +1,4 @@
-"""The queue of tests in memory does what Redis does: each test here runs on both. One file, though long:
-it is one contract."""
+"""The queue of tests in memory does what Redis does: each test here runs on both."""
 
 import time
 from abc import ABC, abstractmethod
@@ -31,7 +30,7 @@ class Both(ABC):
     def pass_time(self, seconds: float) -> None: ...
 
     @abstractmethod
-    def take(self, worker: str, quick: bool = False) -> tuple[bytes, bytes] | None:
+    def take(self, worker: str) -> tuple[bytes, bytes] | None:
         """As a worker: a new job, or one of which the lease has run out."""
 
     @abstractmethod
@@ -62,8 +61,8 @@ class InMemory(Both):
     def pass_time(self, seconds: float) -> None:
         self._clock.wait(seconds)
 
-    def take(self, worker: str, quick: bool = False) -> tuple[bytes, bytes] | None:
-        return self.queue.take(worker, LEASE, quick)
+    def take(self, worker: str) -> tuple[bytes, bytes] | None:
+        return self.queue.take(worker, LEASE)
 
     def complete(self, entry: bytes | None, *results: bytes) -> None:
         self.queue.complete(entry, results)
@@ -96,14 +95,15 @@ class OnRedis(Both):
     def pass_time(self, seconds: float) -> None:
         time.sleep(seconds)
 
-    def take(self, worker: str, quick: bool = False) -> tuple[bytes, bytes] | None:
+    def take(self, worker: str) -> tuple[bytes, bytes] | None:
         group, consumer = keys.WORKERS_GROUP, f"{worker}/0"
-        stream = keys.QUICK_JOBS if quick else keys.JOBS
-        found = self._client.xreadgroup(group, consumer, {stream: ">"}, count=1)
+        found = self._client.xreadgroup(group, consumer, {keys.JOBS: ">"}, count=1)
         if found:
             entries = found[0][1]
         else:
-            entries = self._client.xautoclaim(stream, group, consumer, int(1000 * LEASE), FIRST, count=1)[1]
+            entries = self._client.xautoclaim(keys.JOBS, group, consumer, int(1000 * LEASE), FIRST, count=1)[
+                1
+            ]
         return (entries[0][0], entries[0][1][keys.JOB_FIELD]) if entries else None
 
     def complete(self, entry: bytes | None, *results: bytes) -> None:
@@ -111,9 +111,8 @@ class OnRedis(Both):
         for result in results:
             pipeline.xadd(keys.RESULTS, {keys.RESULT_FIELD: result})
         if entry is not None:
-            stream = keys.QUICK_JOBS if keys.is_quick(entry) else keys.JOBS
-            pipeline.xack(stream, keys.WORKERS_GROUP, entry)
-            pipeline.xdel(stream, entry)
+            pipeline.xack(keys.JOBS, keys.WORKERS_GROUP, entry)
+            pipeline.xdel(keys.JOBS, entry)
         pipeline.execute()
 
     def tell_status(self, worker: str, status: bytes, seconds: float) -> None:
@@ -204,27 +203,6 @@ def test_jobs_are_on_the_stream_in_order(ready: Both) -> None:
     assert ready.queue.jobs() == list(zip(entries, [b"a", b"b", b"c"], strict=True))
     assert len(set(entries)) == ready.queue.jobs_waiting() == 3
     assert ready.queue.publish([]) == []
-
-
-def test_quick_jobs_are_on_a_stream_of_their_own(ready: Both) -> None:
-    """Whose entries no other stream has."""
-    (job,) = ready.queue.publish([b"a"])
-    first, second = ready.queue.publish([b"b", b"c"], quick=True)
-    assert keys.is_quick(first)
-    assert keys.is_quick(second)
-    assert not keys.is_quick(job)
-    assert ready.queue.jobs() == [(job, b"a"), (first, b"b"), (second, b"c")]
-    assert ready.queue.jobs_waiting() == 1
-    assert ready.take("w") == (job, b"a")
-    assert ready.take("w") is None
-    assert ready.take("w", quick=True) == (first, b"b")
-    assert ready.queue.holders() == [Holder(job, "w"), Holder(first, "w")]
-    ready.queue.delete_jobs([second, job])
-    assert ready.queue.jobs() == [(first, b"b")]
-    ready.complete(first)
-    assert ready.queue.jobs() == []
-    # The next are not named as those that are gone.
-    assert not {first, second} & {*ready.queue.publish([b"d"], quick=True)}
 
 
 def test_deleted_jobs_are_gone(ready: Both) -> None:

@@ -92,17 +92,10 @@ class World:
         dies: Callable[[job_pb2.JobResult], bool] = lambda _: False,
         profile: str = "",
         machine: str = "",
-        quick: bool = False,
     ) -> Worker:
-        """`quick`: with a thread for quick jobs."""
         self._names += 1
         name = f"{machine}/w{self._names}" if machine else f"w{self._names}"
-        worker = Worker(name, self.queue, self.clock, alter, delay, lease, dies, profile)
-        if quick:
-            worker.quick = Worker(
-                name, self.queue, self.clock, alter, delay, lease, dies, profile, quick=True
-            )
-        return worker
+        return Worker(name, self.queue, self.clock, alter, delay, lease, dies, profile)
 
     @property
     def workers(self) -> list[Worker]:

@@ -41,18 +41,17 @@ def check_nothing_left(service: Service) -> None:
     wait_until(lambda: _waiting(service) == (0, 0, 0))
     with service.server.client() as client:
         lasting = {name.decode() for name in client.scan_iter() if client.ttl(name) == -1}
-    assert lasting <= {keys.JOBS, keys.QUICK_JOBS, keys.RESULTS}
+    assert lasting <= {keys.JOBS, keys.RESULTS}
 
 
 def _waiting(service: Service) -> tuple[int, int, int] | None:
-    """Jobs, results and claims; None while a group is being made again."""
+    """Jobs, results and claims; None while the group is being made again."""
     with service.server.client() as client:
         try:
-            streams = (keys.JOBS, keys.QUICK_JOBS)
-            claims = sum(client.xpending(each, keys.WORKERS_GROUP)["pending"] for each in streams)
+            claims = client.xpending(keys.JOBS, keys.WORKERS_GROUP)["pending"]
         except redis.ResponseError:
             return None
-        return sum(client.xlen(each) for each in streams), client.xlen(keys.RESULTS), claims
+        return client.xlen(keys.JOBS), client.xlen(keys.RESULTS), claims
 
 
 def check_resumes(service: Service, render_id: str, what: str, seconds: float = BOUND_S) -> None:

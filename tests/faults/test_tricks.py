@@ -18,7 +18,7 @@ pytestmark = [
     pytest.mark.soak,
     pytest.mark.system,
     pytest.mark.xfail(
-        strict=False, reason="beside other work the coordinator takes seconds for a film of 65,536 tiles"
+        strict=False, reason="jobs take up to a minute, and others wait behind them: up to 64 s"
     ),
 ]
 

@@ -184,12 +184,11 @@ class ServiceProcesses:
         """No job, result or claim outlives the renders."""
         for what, count in (
             ("jobs to go", lambda: self.queue.xlen(keys.JOBS)),
-            ("quick jobs to go", lambda: self.queue.xlen(keys.QUICK_JOBS)),
             ("results to go", lambda: self.queue.xlen(keys.RESULTS)),
             ("claims to go", lambda: self.queue.xpending(keys.JOBS, keys.WORKERS_GROUP)["pending"]),
         ):
             wait_for(_is_zero(count), what)
-        known = {keys.JOBS, keys.QUICK_JOBS, keys.RESULTS, keys.SESSION}
+        known = {keys.JOBS, keys.RESULTS, keys.SESSION}
         names = {name.decode() for name in self.queue.keys("*")}
         lapsing = (keys.WORKER_PREFIX, keys.RUN_PREFIX, keys.QUARANTINE_PREFIX, keys.WITHDRAWN_PREFIX)
         assert {name for name in names - known if not name.startswith(lapsing)} == set()

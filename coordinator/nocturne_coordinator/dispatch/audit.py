@@ -206,16 +206,6 @@ class Auditor:
             for entry in audit.published.entries
         }
 
-    @property
-    def out(self) -> dict[JobKey, Published]:
-        """The audits on the stream."""
-        return {key: audit.published for key, audit in self._open.items() if audit.published}
-
-    def published_of(self, key: JobKey) -> Published | None:
-        """One of those."""
-        audit = self._open.get(key)
-        return audit.published if audit else None
-
     def is_open(self, key: JobKey) -> bool:
         return key in self._open
 

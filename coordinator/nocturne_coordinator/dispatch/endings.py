@@ -62,8 +62,7 @@ class Endings:
 
     def _audits_are_done(self, render: RunningRender, now: float) -> bool:
         """Whether no audit of the render is open, or none that others than the audited worker could
-        settle. Where all others are at long jobs it waits no longer than it ran, but for what is disputed.
-        """
+        settle."""
         state = self._state
         if not state.auditor.pending(render.id):
             return True
@@ -73,8 +72,7 @@ class Endings:
         witnesses = 3 if state.auditor.disputed(render.id) else 2
         if len(live) < witnesses:
             return now >= state.audits_end.setdefault(render.id, now + _LONELY_SECONDS)
-        longest = MAX_WAIT if witnesses > 2 else max(_LONELY_SECONDS, render.ran_seconds(now))
-        return now >= state.audits_end.setdefault(render.id, now + min(MAX_WAIT, longest))
+        return now >= state.audits_end.setdefault(render.id, now + MAX_WAIT)
 
     def _end_failed(self) -> Steps[None]:
         failed = self._state.failed

@@ -24,8 +24,6 @@ class Fleet:
         """Workers that are to take no jobs though they are not in quarantine, and why."""
         self.threads = 0
         """Of all workers that take jobs."""
-        self.workers_at_work = 0
-        """Those: each has a thread more, for quick jobs."""
         self.votes_by_profile: Mapping[str, int] = {}
         """Of all that could work, whatever the renders need; owners, where there are several."""
         self.jobs_of_others = 0
@@ -64,7 +62,6 @@ class Fleet:
         for worker in workers:
             if self._takes_jobs(worker):
                 threads[machine_of(worker.id)] += worker.threads
-        self.workers_at_work = sum(map(self._takes_jobs, workers))
         # A machine may report any number for its workers.
         self.threads = sum(min(each, MAX_THREADS) for each in threads.values())
         return found

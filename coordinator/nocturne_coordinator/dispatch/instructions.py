@@ -46,8 +46,6 @@ class Publish(Instruction):
 
     keys: tuple[JobKey, ...]
     jobs: tuple[bytes, ...]
-    quick: bool = False
-    """They are copies, for the stream of quick jobs."""
 
 
 @dataclass(frozen=True, slots=True)

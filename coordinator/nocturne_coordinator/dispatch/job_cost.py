@@ -4,16 +4,10 @@ docs/decisions/0046: a scene must not hold a worker for long, and only a range t
 the next one will take.
 """
 
-from collections.abc import Iterable
-from itertools import pairwise
-
 from nocturne_scene.ranges import FIRST_RANGE
 
 JOB_SECONDS = 60.0
 """Processor seconds that a job should take at most: what a worker that is stopped loses, and others wait."""
-
-QUICK_SECONDS = 0.5
-"""Seconds of time after which a quick job is stopped: what others wait behind it."""
 
 USUAL_COST = 1e-6
 """Processor seconds per photon, before anything was measured: what the example scenes cost."""
@@ -46,8 +40,3 @@ def longest_range(cpu_seconds: float, samples: int, job_seconds: float) -> int |
     while 2 * longest < samples and cpu_seconds / samples * 2 * longest <= _CUT_TO * job_seconds:
         longest *= 2
     return longest
-
-
-def longest_of(ends: Iterable[int]) -> int:
-    """The longest of ranges that end there; 0: there are none."""
-    return max((end - first for first, end in pairwise([0, *ends])), default=0)

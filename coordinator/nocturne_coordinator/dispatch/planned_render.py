@@ -129,7 +129,7 @@ class PlannedRender:
         """The range that the job is for; RefusedResult unless it is, in every field, a job of this render.
 
         But for the floating-point profile, of which the first jobs of a render have none (results tell their
-        own), and the bound on time, which follows the render's measured costs and is that of quick copies.
+        own), and the bound on processor time, which follows the render's measured costs.
         """
         if job.tile_index >= self.queues:
             raise RefusedResult(f"tile {job.tile_index} of {self.queues}")
@@ -138,7 +138,7 @@ class PlannedRender:
             raise RefusedResult(f"samples [{job.first_sample}, {job.end_sample}) are not a planned range")
         asked = self.job(job.tile_index, planned)
         asked.floating_point_profile = job.floating_point_profile
-        asked.max_cpu_seconds, asked.quick = job.max_cpu_seconds, job.quick
+        asked.max_cpu_seconds = job.max_cpu_seconds
         if job != asked:
             raise RefusedResult("tile, scene, film or engine differ from the schedule")
         return planned

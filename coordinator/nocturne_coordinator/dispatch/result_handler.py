@@ -7,7 +7,6 @@ from nocturne.v1 import job_pb2
 
 from nocturne_coordinator.dispatch.failure_policy import PoisonedJob
 from nocturne_coordinator.dispatch.instructions import DEBUG, ERROR, WARNING, Log, Quarantine, WriteBundle
-from nocturne_coordinator.dispatch.job_cost import QUICK_SECONDS
 from nocturne_coordinator.dispatch.merge import MergeResult, RangeSums
 from nocturne_coordinator.dispatch.planned_render import RefusedResult
 from nocturne_coordinator.dispatch.profiles import profile_of, refusal_of
@@ -126,7 +125,7 @@ class ResultHandler:
         if result.WhichOneof("outcome") == "failure":
             outcome.settled.append(entry)
             if result.stopped_too_long:
-                self._stopped(render, key, worker, result, now, outcome)
+                self._stopped(render, key, worker, result.failure[:MAX_REASON], now, outcome)
             else:
                 self._fail(render, key, worker, result.failure[:MAX_REASON], now, outcome)
             return
@@ -152,20 +151,9 @@ class ResultHandler:
         self._merge(render, key, offered, now, draw, outcome, partial)
 
     def _stopped(
-        self,
-        render: RunningRender,
-        key: JobKey,
-        worker: str,
-        result: job_pb2.JobResult,
-        now: float,
-        outcome: Outcome,
+        self, render: RunningRender, key: JobKey, worker: str, reason: str, now: float, outcome: Outcome
     ) -> None:
-        """A worker stopped a job beyond its time: shorter ones take its place, if they can."""
-        if result.job.quick:
-            # The job itself is on the stream still.
-            self._state.not_quick.add(render.id)
-            self._state.scheduler.charge(render.id, QUICK_SECONDS)
-            return
+        """A worker stopped a job beyond its processor time: shorter ones take its place, if they can."""
         # By our own figures: what the worker says it took might be anything.
         cpu_seconds = render.max_cpu_seconds(render.planned.ranges_of(key.tile_index)[key.range_index])
         self._state.scheduler.charge(render.id, cpu_seconds)
@@ -173,7 +161,7 @@ class ResultHandler:
             outcome.lines.append(Log(WARNING, f"{key} took too long at worker={worker}; it is cut"))
             self._give_back(key, outcome)
         else:
-            self._fail(render, key, worker, result.failure[:MAX_REASON], now, outcome)
+            self._fail(render, key, worker, reason, now, outcome)
 
     def _merge(
         self,

@@ -4,9 +4,8 @@ Kept here: for each running render the state of every range (`RangeState`), and 
 out. One file, though long: each event changes both, so the events stand together.
 """
 
-import math
 from collections import deque
-from collections.abc import Callable, Collection, Iterable, Mapping, Sequence, Set
+from collections.abc import Callable, Collection, Iterable, Sequence, Set
 from dataclasses import dataclass
 from statistics import median
 from typing import NamedTuple
@@ -68,7 +67,6 @@ class Scheduler:
         self._owners: dict[str, FairShare] = {}
         self._outstanding: dict[JobKey, Published] = {}
         self._times: deque[float] = deque(maxlen=_REMEMBERED_TIMES)
-        self._served: dict[str, float] = {}
 
     # --- events ---
 
@@ -96,9 +94,6 @@ class Scheduler:
         render = self._queues[render_id]
         for most, before, queue in zip(kept, render.queues, queues, strict=True):
             now = queue.states
-            if max(now[:most], default=0) < RangeState.FAILED > max(before.states[:most], default=0):
-                now[:most] = before.states[:most]
-                continue
             for index, state in enumerate(before.states[:most]):
                 if now[index] == RangeState.COMMITTED or (not now[index] and state in IN_FLIGHT):
                     now[index] = state
@@ -127,7 +122,6 @@ class Scheduler:
         for owner in [each for each in self._owners if each not in at_work]:
             if self._owners[owner].finish <= self._farm.now:
                 del self._owners[owner]
-                self._served.pop(owner, None)
         keys = [key for key in self._outstanding if key.render_id == render_id]
         return [entry for key in keys for entry in self._outstanding.pop(key).entries]
 
@@ -146,15 +140,10 @@ class Scheduler:
         delete."""
         if self.state_of(key) not in (RangeState.PLANNED, RangeState.PUBLISHED):
             return []
-        published = self._outstanding.get(key)
-        self._move(key, RangeState.HELD)
-        if published and len(published.entries) > 1:
-            return published.entries
-        # Of one with copies nobody knows which of them came back.
-        if published:
-            self._times.append(now - published.at)
-        self._served[self.owner_of(key.render_id)] = now
-        return []
+        if key in self._outstanding:
+            self._times.append(now - self._outstanding[key].at)
+        entries = self._move(key, RangeState.HELD)
+        return entries if len(entries) > 1 else []
 
     def completed(self, render_id: str, tile_index: int, ranges: int) -> None:
         """A tile's first `ranges` ranges are completed."""
@@ -213,52 +202,18 @@ class Scheduler:
         """Jobs on the stream."""
         return len(self._outstanding)
 
-    @property
-    def out(self) -> Mapping[JobKey, Published]:
-        """Those jobs."""
-        return self._outstanding
-
-    @property
-    def owners(self) -> set[str]:
-        """Of running renders."""
-        return {queue.owner for queue in self._queues.values()}
-
-    def owner_of(self, render_id: str) -> str:
-        """Of a running render."""
-        return self._queues[render_id].owner
-
-    def served(self, owner: str) -> float:
-        """When the last result came of an owner's job that had no copies."""
-        return self._served.get(owner, -math.inf)
-
-    def cost_of(self, key: JobKey) -> float:
-        """What a job should take, in the unit of `cost`."""
-        return self._queues[key.render_id].cost(key.tile_index, key.range_index)
-
     def take(self, count: int, but: Collection[str] = ()) -> list[JobKey]:
         """Up to `count` jobs to publish, shared by weight; `published` must follow, or `returned`.
 
         `but`: renders that are left out, as nobody is there who could work on them.
 
         Where there is no room, and most ranges in flight wait for earlier ones, the earlier ones are given
-        out, whatever the count: nothing else would ever make room. So is one job of each owner of whom
-        nothing is in flight: nobody waits for room behind others.
+        out, whatever the count: nothing else would ever make room.
         """
-        able = {render_id: queue for render_id, queue in self._queues.items() if render_id not in but}
-        if count > 0:
-            return self._shared(able, count)
-        waited_for = self._waited_for() if self.in_flight > 2 * len(self._outstanding) else []
-        at_work = {queue.owner for queue in self._queues.values() if queue.in_flight}
-        newcomers = sorted({queue.owner for queue in able.values()} - at_work)
-        firsts = [
-            self._shared({each: queue for each, queue in able.items() if queue.owner == owner}, 1)
-            for owner in newcomers
-        ]
-        return sum(firsts, waited_for)
-
-    def _shared(self, able: dict[str, RenderQueues], count: int) -> list[JobKey]:
-        """Up to so many jobs of these renders, which are used up."""
+        if count <= 0:
+            return self._waited_for() if self.in_flight > 2 * len(self._outstanding) else []
         jobs: list[JobKey] = []
+        able = {render_id: queue for render_id, queue in self._queues.items() if render_id not in but}
         while len(jobs) < count and able:
             render_id, queue = min(able.items(), key=self._start)
             key = self._next_of(render_id)

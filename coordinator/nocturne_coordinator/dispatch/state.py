@@ -52,8 +52,6 @@ class State:
     """When renders end that wait for audits, whatever becomes of these."""
     needs_audits_only: set[str] = field(default_factory=set)
     """Renders that end as soon as their audits, layers and pictures are done: they get no other jobs."""
-    not_quick: set[str] = field(default_factory=set)
-    """Renders of which a quick copy of a job took too long."""
     odd_since: dict[str, float] = field(default_factory=dict)
     """Renders that most workers can't help with, and since when."""
     folder_trouble: bool = False

@@ -18,10 +18,8 @@ from nocturne_coordinator.dispatch.instructions import (
     TellWorkers,
     Withdraw,
 )
-from nocturne_coordinator.dispatch.job_cost import QUICK_SECONDS
 from nocturne_coordinator.dispatch.liveness import Sign
 from nocturne_coordinator.dispatch.planned_render import RefusedResult
-from nocturne_coordinator.dispatch.quick_copies import QuickCopies
 from nocturne_coordinator.dispatch.range_queue import RangeState
 from nocturne_coordinator.dispatch.scheduler import JobKey
 from nocturne_coordinator.dispatch.state import State
@@ -43,7 +41,6 @@ class Window:
     def __init__(self, state: State) -> None:
         self._state = state
         self._next_overdue = 0.0
-        self._quick = QuickCopies(state)
 
     @property
     def size(self) -> int:
@@ -55,12 +52,11 @@ class Window:
     def workers_seen(self, event: WorkersSeen) -> Steps[None]:
         """Notes who is there, and who died with a job in hand."""
         state, fleet = self._state, self._state.fleet
-        self._quick.holders_seen(event.holders)
         for worker, reason in fleet.seen(event.workers).items():
             yield Log(WARNING, f"worker={worker} gets no jobs: {reason}")
         signs = {row.id: Sign(row.started, event.left_ms[row.id]) for row in event.workers}
         lost = fleet.liveness.look(signs, list(event.holders), state.scheduler.entries())
-        ours = state.scheduler.outstanding + len(state.auditor.out)
+        ours = state.scheduler.outstanding + len(state.auditor.entries())
         fleet.jobs_of_others = max(0, event.jobs_waiting - ours)
         state.lost += lost
         state.auditor.look(lambda render: fleet.live(state.renders[render].floating_point_profile))
@@ -81,8 +77,7 @@ class Window:
         unwanted: list[bytes] = []
         for entry, data in event.jobs:
             key = self._key_of(data)
-            is_quick = key is not None and job_pb2.Job.FromString(data).quick
-            if key is not None and not is_quick and scheduler.state_of(key) is RangeState.PLANNED:
+            if key is not None and scheduler.state_of(key) is RangeState.PLANNED:
                 scheduler.published(key, entry, event.at.now)
                 adopted += 1
             elif key is None:
@@ -122,10 +117,6 @@ class Window:
             for key, entry in zip(slow, (yield from self._publish(slow)), strict=True):
                 yield Log(INFO, f"{key} is slow; an idle worker gets it as well")
                 scheduler.copied(key, entry)
-        if gone := self._quick.forget(at):
-            yield Withdraw(tuple(gone), stop=True)
-        copies = self._quick.take(at)
-        self._quick.published(copies, (yield from self._publish(copies, quick=True)), at)
 
     def _fill_audits(self, at: Moment) -> Steps[None]:
         auditor = self._state.auditor
@@ -139,11 +130,10 @@ class Window:
         for key, entry in zip(keys, entries, strict=True):
             auditor.published(key, entry, at.now)
 
-    def _publish(self, keys: list[JobKey], quick: bool = False) -> Steps[list[bytes]]:
+    def _publish(self, keys: list[JobKey]) -> Steps[list[bytes]]:
         if not keys:
             return []
-        jobs = tuple(self._job_bytes(key, quick) for key in keys)
-        entries: list[bytes] = yield Publish(tuple(keys), jobs, quick)
+        entries: list[bytes] = yield Publish(tuple(keys), tuple(self._job_bytes(key) for key in keys))
         return entries
 
     def _return_overdue(self, at: Moment) -> Steps[None]:
@@ -193,11 +183,10 @@ class Window:
             return None
         return JobKey(job.render_id, job.tile_index, planned.index) if planned else None
 
-    def _job_bytes(self, key: JobKey, quick: bool) -> bytes:
+    def _job_bytes(self, key: JobKey) -> bytes:
         render = self._state.renders[key.render_id]
         planned = render.planned.ranges_of(key.tile_index)[key.range_index]
         job = render.planned.job(key.tile_index, planned)
         job.floating_point_profile = render.floating_point_profile
-        job.quick = quick
-        job.max_cpu_seconds = QUICK_SECONDS if quick else render.max_cpu_seconds(planned)
+        job.max_cpu_seconds = render.max_cpu_seconds(planned)
         return job.SerializeToString()

@@ -74,9 +74,9 @@ class Dispatcher:
 
     # --- instructions ---
 
-    def publish(self, jobs: tuple[bytes, ...], quick: bool) -> list[bytes]:
-        """Puts jobs on their stream at once; QueueError."""
-        return self._queue.publish(jobs, quick)
+    def publish(self, jobs: tuple[bytes, ...]) -> list[bytes]:
+        """Puts jobs on the stream at once; QueueError."""
+        return self._queue.publish(jobs)
 
     def tell_workers(self, reasons: Mapping[str, str]) -> None:
         """That they get no jobs, from the next round on, and why."""

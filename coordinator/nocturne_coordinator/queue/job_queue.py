@@ -160,17 +160,13 @@ class JobQueue:
         later one of the same folder has it.
         """
         ours = self._renew(session)
-        # From the first entry on: when the group was lost, all on the stream is to be given out again.
-        for stream in (keys.JOBS, keys.QUICK_JOBS):
-            self._make_group(stream)
-        return ours
-
-    def _make_group(self, stream: str) -> None:
         try:
-            self._client.xgroup_create(stream, keys.WORKERS_GROUP, id=FIRST, mkstream=True)
+            # From the first entry on: when the group was lost, all on the stream is to be given out again.
+            self._client.xgroup_create(keys.JOBS, keys.WORKERS_GROUP, id=FIRST, mkstream=True)
         except redis.ResponseError as error:
             if not str(error).startswith("BUSYGROUP"):
                 raise
+        return ours
 
     def _renew(self, session: Session) -> bool:
         """Compares and sets in one transaction, so that of two who find the lease free one gets it."""
@@ -214,31 +210,28 @@ class JobQueue:
                 pipeline.execute()
 
     @_queue_errors
-    def publish(self, jobs: Iterable[bytes], quick: bool = False) -> list[bytes]:
-        """Adds jobs, or quick copies of jobs; gives their entries."""
-        stream, name = (keys.QUICK_JOBS, "0-*") if quick else (keys.JOBS, "*")
+    def publish(self, jobs: Iterable[bytes]) -> list[bytes]:
+        """Adds jobs; gives their entries."""
         pipeline = self._client.pipeline(transaction=False)
         for job in jobs:
             lease = {keys.LEASE_FIELD: self.guard.lease(job)} if self.guard else {}
-            pipeline.xadd(stream, {keys.JOB_FIELD: job, **lease}, id=name)
+            pipeline.xadd(keys.JOBS, {keys.JOB_FIELD: job, **lease})
         return cast(list[bytes], pipeline.execute())
 
     @_queue_errors
     def jobs(self) -> list[Entry]:
-        """All jobs on both streams: waiting or being worked on."""
+        """All jobs on the stream: waiting or being worked on."""
         found: list[Entry] = []
-        for stream in (keys.JOBS, keys.QUICK_JOBS):
-            start = FIRST
-            while batch := self._client.xrange(stream, min=start, count=_CHUNK):
-                found.extend(_entry(entry, fields, keys.JOB_FIELD) for entry, fields in batch)
-                start = b"(" + batch[-1][0]
+        start = FIRST
+        while batch := self._client.xrange(keys.JOBS, min=start, count=_CHUNK):
+            found.extend(_entry(entry, fields, keys.JOB_FIELD) for entry, fields in batch)
+            start = b"(" + batch[-1][0]
         return found
 
     @_queue_errors
     def delete_jobs(self, entries: list[bytes]) -> None:
         """Takes jobs off the stream; who works on one may finish it."""
-        self._delete(keys.JOBS, [entry for entry in entries if not keys.is_quick(entry)])
-        self._delete(keys.QUICK_JOBS, [entry for entry in entries if keys.is_quick(entry)])
+        self._delete(keys.JOBS, entries)
 
     @_queue_errors
     def stop_jobs(self, entries: list[bytes]) -> None:
@@ -260,7 +253,7 @@ class JobQueue:
 
     @_queue_errors
     def jobs_waiting(self) -> int:
-        """Jobs on the stream, those that somebody works on included, without quick copies."""
+        """Jobs on the stream, those that somebody works on included."""
         return int(self._client.xlen(keys.JOBS))
 
     @_queue_errors
@@ -297,11 +290,10 @@ class JobQueue:
     def holders(self) -> list[Holder]:
         """Who works on what."""
         found: list[Holder] = []
-        for stream in (keys.JOBS, keys.QUICK_JOBS):
-            start = b"-"
-            while batch := self._client.xpending_range(stream, keys.WORKERS_GROUP, start, b"+", _CHUNK):
-                found.extend(Holder(each["message_id"], _worker_of(each["consumer"])) for each in batch)
-                start = b"(" + batch[-1]["message_id"]
+        start = b"-"
+        while batch := self._client.xpending_range(keys.JOBS, keys.WORKERS_GROUP, start, b"+", _CHUNK):
+            found.extend(Holder(each["message_id"], _worker_of(each["consumer"])) for each in batch)
+            start = b"(" + batch[-1]["message_id"]
         return found
 
     @_queue_errors

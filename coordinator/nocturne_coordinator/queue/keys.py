@@ -5,15 +5,11 @@ PREFIX = "nocturne:"
 JOBS = PREFIX + "jobs"
 """Stream; each entry has one field JOB_FIELD, a serialised Job."""
 
-QUICK_JOBS = PREFIX + "quick-jobs"
-"""Stream of the same; copies of some jobs, for threads that do quick jobs alone. Its entries are 0-1, 0-2 and
-so on, which no other stream has: others begin with the time."""
-
 RESULTS = PREFIX + "results"
 """Stream; each entry has one field RESULT_FIELD, a serialised JobResult."""
 
 WORKERS_GROUP = "workers"
-"""Consumer group of both; a consumer is `<worker id>/<thread>`."""
+"""Consumer group of JOBS; a consumer is `<worker id>/<thread>`."""
 
 SESSION = PREFIX + "session"
 """String `<data folder>:<epoch>` with a time to live: the lease of a folder's coordinators on this Redis. Of
@@ -30,7 +26,7 @@ QUARANTINE_PREFIX = PREFIX + "quarantine:"
 """Strings `nocturne:quarantine:<worker id>`, the reason, with a time to live: that worker takes no jobs."""
 
 WITHDRAWN_PREFIX = PREFIX + "withdrawn:"
-"""Strings `nocturne:withdrawn:<entry of a job>`, empty, with a time to live: nobody needs that job any more,
+"""Strings `nocturne:withdrawn:<entry of JOBS>`, empty, with a time to live: nobody needs that job any more,
 and who works on it stops."""
 
 JOB_FIELD = b"job"
@@ -40,8 +36,3 @@ LEASE_FIELD = b"lease"
 MACHINE_FIELD = b"machine"
 SIGNATURE_FIELD = b"signature"
 """Of a result, where workers enrol."""
-
-
-def is_quick(entry: bytes) -> bool:
-    """Whether a job's entry is of QUICK_JOBS."""
-    return entry.startswith(b"0-")

@@ -71,15 +71,12 @@ void RedisServer::kill() {
 }
 
 void RedisServer::make_group() {
-  for (const std::string& stream : {keys::kJobs, keys::kQuickJobs}) {
-    run({"XGROUP", "CREATE", stream, keys::kGroup, "0", "MKSTREAM"});
-  }
+  run({"XGROUP", "CREATE", keys::kJobs, keys::kGroup, "0", "MKSTREAM"});
 }
 
 std::string RedisServer::publish(const v1::Job& job) {
-  const std::string& stream = job.quick() ? keys::kQuickJobs : keys::kJobs;
-  const std::string id = job.quick() ? "0-*" : "*";
-  return std::string(run({"XADD", stream, id, keys::kJobField, job.SerializeAsString()}).text());
+  return std::string(
+      run({"XADD", keys::kJobs, "*", keys::kJobField, job.SerializeAsString()}).text());
 }
 
 std::vector<v1::JobResult> RedisServer::results() {

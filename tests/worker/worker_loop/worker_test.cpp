@@ -339,50 +339,6 @@ TEST_F(WorkerTest, JobBeyondItsProcessorTimeIsAFailureThatSaysSo) {
             "it was stopped after 0.25 s of processor time, far more than its samples should take");
 }
 
-v1::Job quick_job(std::uint32_t tile_index, double most_seconds) {
-  v1::Job job = make_job(tile_index);
-  job.set_quick(true);
-  job.set_max_cpu_seconds(most_seconds);
-  return job;
-}
-
-TEST_F(WorkerTest, QuickJobsAreDoneWhileAllThreadsAreAtWork) {
-  Worker worker(options("w"), [](const v1::Job& job, RunningJob& running) {
-    return job.quick() ? some_partial() : trace_for_ever(job, running);
-  });
-  server_.publish(make_job(1));
-  ASSERT_TRUE(eventually([&] { return server_.pending() == 1; }));
-  server_.publish(quick_job(2, 10.0));
-  EXPECT_EQ(only_result().job().tile_index(), 2U);
-  EXPECT_EQ(server_.run({"XLEN", "nocturne:quick-jobs"}).integer(), 0);
-  // The others wait for jobs, a second at most.
-  EXPECT_TRUE(worker.stop(milliseconds(1100)));
-}
-
-TEST_F(WorkerTest, QuickJobThatTakesLongIsStoppedWhateverItDoes) {
-  Worker worker(options("w"), [](const v1::Job&, RunningJob& running) -> v1::Partial {
-    // Without a processor, as a scene is loaded on a thread of its own.
-    while (!running.stop_token().stop_requested()) std::this_thread::sleep_for(milliseconds(5));
-    throw std::runtime_error("stopped");
-  });
-  server_.publish(quick_job(2, 0.3));
-  const v1::JobResult result = only_result();
-  EXPECT_TRUE(result.stopped_too_long());
-  EXPECT_EQ(result.failure(), "it was stopped after 0.3 s of time, as a quick job");
-  EXPECT_EQ(server_.run({"XLEN", "nocturne:quick-jobs"}).integer(), 0);
-}
-
-TEST_F(WorkerTest, QuickJobThatItCanNotDoIsDropped) {
-  Worker worker(options("w"), [](const v1::Job& job, RunningJob&) -> v1::Partial {
-    if (job.tile_index() == 1) throw HandBack("no scene");
-    return some_partial();
-  });
-  server_.publish(quick_job(1, 10.0));
-  server_.publish(quick_job(2, 10.0));
-  EXPECT_EQ(only_result().job().tile_index(), 2U);
-  EXPECT_EQ(server_.run({"XLEN", "nocturne:quick-jobs"}).integer(), 0);
-}
-
 TEST_F(WorkerTest, JobThatOutlastsTheGraceIsStoppedAndHandedBack) {
   WorkerOptions slow = options("w", 2);
   slow.lease = seconds(60);

@@ -12,7 +12,6 @@
 #include "nocturne/v1/job.pb.h"
 #include "queue/held_job.h"
 #include "queue/identity.h"
-#include "queue/keys.h"
 #include "queue/redis_connection.h"
 
 namespace nocturne {
@@ -30,10 +29,9 @@ class JobQueue {
   /// How often take() looks for jobs whose lease ran out.
   static constexpr std::chrono::milliseconds kTakeOverInterval{1000};
 
-  /// `lease`: a job that nobody extended for so long is taken over by another consumer. `stream`:
-  /// what take() takes from.
+  /// `lease`: a job that nobody extended for so long is taken over by another consumer.
   JobQueue(RedisAddress address, std::string consumer, std::chrono::milliseconds lease,
-           Identity identity = {}, std::string stream = keys::kJobs);
+           Identity identity = {});
 
   /// The next job: one whose lease ran out, else a new one; waits for about a second.
   /// Entries that are no job are dropped with a log line.
@@ -84,7 +82,6 @@ class JobQueue {
   std::string consumer_;
   std::chrono::milliseconds lease_;
   Identity identity_;
-  std::string stream_;
   std::chrono::steady_clock::time_point next_take_over_;
   // Where the search for jobs with an outrun lease goes on.
   std::string take_over_cursor_ = "0-0";

@@ -11,15 +11,6 @@ inline const std::string kJobs = "nocturne:jobs";
 inline const std::string kGroup = "workers";
 inline const std::string kJobField = "job";
 
-/// Stream of quick jobs, which are copies of some of those; the same group and field. Entries are
-/// "0-1", "0-2" and so on, which no other stream has: others begin with the time.
-inline const std::string kQuickJobs = "nocturne:quick-jobs";
-
-/// That a job's entry is of.
-inline const std::string& stream_of(const std::string& entry_id) {
-  return entry_id.starts_with("0-") ? kQuickJobs : kJobs;
-}
-
 /// Stream of results; one field kResultField with a serialised v1::JobResult.
 inline const std::string kResults = "nocturne:results";
 inline const std::string kResultField = "result";

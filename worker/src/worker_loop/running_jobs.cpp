@@ -15,8 +15,8 @@ double seconds_of(clockid_t clock) {
 
 }  // namespace
 
-RunningJob::RunningJob(RunningJobs& all, HeldJob held, double max_seconds, bool quick)
-    : all_(all), held_(std::move(held)), max_seconds_(max_seconds), quick_(quick) {
+RunningJob::RunningJob(RunningJobs& all, HeldJob held, double max_cpu_seconds)
+    : all_(all), held_(std::move(held)), max_cpu_seconds_(max_cpu_seconds) {
   pthread_getcpuclockid(pthread_self(), &clock_);
   const std::lock_guard lock(all_.mutex_);
   all_.jobs_.push_back(this);
@@ -37,12 +37,8 @@ void RunningJob::stop(StopReason reason) {
 }
 
 bool RunningJob::is_too_long() const {
-  if (quick_) {
-    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - taken_;
-    return took.count() > max_seconds_;
-  }
   const double begun = begun_;
-  return max_seconds_ > 0.0 && begun >= 0.0 && seconds_of(clock_) - begun > max_seconds_;
+  return max_cpu_seconds_ > 0.0 && begun >= 0.0 && seconds_of(clock_) - begun > max_cpu_seconds_;
 }
 
 std::vector<HeldJob> RunningJobs::list() const {

@@ -4,7 +4,6 @@
 #include <time.h>
 
 #include <atomic>
-#include <chrono>
 #include <mutex>
 #include <stop_token>
 #include <vector>
@@ -15,7 +14,7 @@ namespace nocturne {
 
 enum class StopReason {
   kNone,
-  /// It took more time than any job of its plan, or than a quick job, should.
+  /// It took more processor time than any job of its plan should.
   kTooLong,
   /// Nobody needs its result any more.
   kWithdrawn,
@@ -28,8 +27,7 @@ class RunningJobs;
 /// One job in the hands of the thread that made this, as long as this lives.
 class RunningJob {
  public:
-  /// `max_seconds`: of processor time while it is traced; of a `quick` job of time, from now on.
-  RunningJob(RunningJobs& all, HeldJob held, double max_seconds, bool quick = false);
+  RunningJob(RunningJobs& all, HeldJob held, double max_cpu_seconds);
   ~RunningJob();
   RunningJob(const RunningJob&) = delete;
   RunningJob& operator=(const RunningJob&) = delete;
@@ -50,9 +48,7 @@ class RunningJob {
 
   RunningJobs& all_;
   const HeldJob held_;
-  const double max_seconds_;
-  const bool quick_;
-  const std::chrono::steady_clock::time_point taken_ = std::chrono::steady_clock::now();
+  const double max_cpu_seconds_;
   clockid_t clock_{};
   // Of the thread's processor time; negative: not yet.
   std::atomic<double> begun_ = -1.0;
@@ -65,7 +61,7 @@ class RunningJobs {
  public:
   std::vector<HeldJob> list() const;
 
-  /// Stops those that took too much time.
+  /// Stops those that took too much processor time.
   void stop_too_long();
   /// Stops these.
   void stop_withdrawn(const std::vector<HeldJob>& jobs);

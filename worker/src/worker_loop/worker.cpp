@@ -18,12 +18,11 @@ constexpr std::chrono::milliseconds kToStop{500};
 Worker::Worker(WorkerOptions options, TraceJob trace)
     : options_(std::move(options)),
       trace_(std::move(trace)),
-      tally_(options_.threads + 1),
-      running_(options_.threads + 1) {
+      tally_(options_.threads),
+      running_(options_.threads) {
   heartbeat_ =
       std::jthread([this](std::stop_token stop) { Heartbeat(options_, jobs_, tally_).run(stop); });
-  // The last one does quick jobs, while the others are at long ones.
-  for (unsigned index = 0; index <= options_.threads; ++index) {
+  for (unsigned index = 0; index < options_.threads; ++index) {
     threads_.emplace_back([this, index](std::stop_token stop) { run_thread(index, stop); });
   }
 }

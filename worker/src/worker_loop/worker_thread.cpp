@@ -1,8 +1,5 @@
 #include "worker_loop/worker_thread.h"
 
-#include <sys/resource.h>
-#include <unistd.h>
-
 #include <chrono>
 #include <new>
 #include <sstream>
@@ -22,7 +19,6 @@ using Clock = std::chrono::steady_clock;
 // The coordinator makes the group again within about this time.
 constexpr std::chrono::milliseconds kGroupPause{200};
 constexpr std::chrono::milliseconds kQuarantinePause{1000};
-constexpr int kNice = 5;
 
 /// Text that fits a protobuf string (UTF-8) and a page.
 std::string printable(std::string_view text) {
@@ -48,9 +44,8 @@ void check_engine(const v1::Job& job, const std::string& worker_id) {
 
 std::string too_long(const v1::Job& job) {
   std::ostringstream text;
-  text << "it was stopped after " << job.max_cpu_seconds() << " s of "
-       << (job.quick() ? "time, as a quick job"
-                       : "processor time, far more than its samples should take");
+  text << "it was stopped after " << job.max_cpu_seconds()
+       << " s of processor time, far more than its samples should take";
   return text.str();
 }
 
@@ -74,15 +69,9 @@ WorkerThread::WorkerThread(const WorkerOptions& options, unsigned index, const T
       trace_(trace),
       jobs_(jobs),
       tally_(tally),
-      queue_(options.redis, keys::consumer(options.id, index), options.lease, options.identity,
-             index < options.threads ? keys::kJobs : keys::kQuickJobs) {}
+      queue_(options.redis, keys::consumer(options.id, index), options.lease, options.identity) {}
 
 void WorkerThread::run(std::stop_token stop) {
-  // On Linux each thread has its own: quick jobs and the heartbeat go before long jobs.
-  if (index_ < options_.threads) {
-    const auto thread = static_cast<id_t>(gettid());
-    setpriority(PRIO_PROCESS, thread, getpriority(PRIO_PROCESS, thread) + kNice);
-  }
   while (!stop.stop_requested()) {
     try {
       step(stop);
@@ -120,16 +109,14 @@ void WorkerThread::step(std::stop_token stop) {
 void WorkerThread::work(const TakenJob& taken, std::stop_token stop) {
   if (stop.stop_requested()) return give_back(taken);
   std::optional<RunningJob> running;
-  running.emplace(jobs_, HeldJob{queue_.consumer(), taken.entry_id}, taken.job.max_cpu_seconds(),
-                  taken.job.quick());
+  running.emplace(jobs_, HeldJob{queue_.consumer(), taken.entry_id}, taken.job.max_cpu_seconds());
   const auto start = Clock::now();
   const std::optional<v1::JobResult> result = result_of(taken.job, *running);
   if (!result) {
     const StopReason reason = running->stop_reason();
     // Else the heartbeat would keep it.
     running.reset();
-    // The job of which a quick one is a copy is still on its stream.
-    if (reason == StopReason::kWithdrawn || taken.job.quick()) return queue_.drop(taken.entry_id);
+    if (reason == StopReason::kWithdrawn) return queue_.drop(taken.entry_id);
     give_back(taken);
     // So that another worker, which may be in mid-job now, takes it before this one sees it again.
     return wait_unless_stopped(stop, options_.lease + JobQueue::kTakeOverInterval);
@@ -166,9 +153,7 @@ std::optional<v1::JobResult> WorkerThread::result_of(const v1::Job& job, Running
   *result.mutable_job() = job;
   result.set_worker_id(options_.id);
   result.set_floating_point_profile(options_.floating_point_profile);
-  const bool is_usual = job.quick() && result.stopped_too_long();
-  if (result.has_failure() && !is_usual)
-    report_trouble(description(job) + " failed: " + result.failure());
+  if (result.has_failure()) report_trouble(description(job) + " failed: " + result.failure());
   return result;
 }
 

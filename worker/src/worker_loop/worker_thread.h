@@ -14,8 +14,7 @@ namespace nocturne {
 
 class WorkerThread {
  public:
-  /// All arguments must outlive this; `index` counts from 0 within the worker. The one after its
-  /// threads does quick jobs alone.
+  /// All arguments must outlive this; `index` counts from 0 within the worker.
   WorkerThread(const WorkerOptions& options, unsigned index, const TraceJob& trace,
                RunningJobs& jobs, Tally& tally);
 
