@@ -9,8 +9,8 @@ from nocturne_client.local.compiled import compile_to
 
 from bench.peer.contenders import FilmSize, Ours
 from bench.report import Figures, Row, significant
-from tests.accuracy.test_visible_sky import SCENES
 from tests.accuracy.tracing import write
+from tests.accuracy.window_rooms import SCENES
 
 _ROOMS = ("sky", "even sky", "sky and Sun", "pane", "haze", "lamp", "film")
 _THREADS = 2

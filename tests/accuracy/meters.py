@@ -9,6 +9,7 @@ wavelengths: readings are per nanometre, mean values over 360 to 830 nm.
 """
 
 import json
+from collections.abc import Callable
 from copy import deepcopy
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -154,3 +155,21 @@ def _values(image: Image, channel: str) -> Values:
     if channel == "Y":
         return image.y
     return image.further[channel].astype(np.float64) / RANGE_NM
+
+
+def independent_image(
+    document: Document,
+    seed: int,
+    folder: Path,
+    prepare: Callable[[Measurement], None] | None = None,
+    **tracing: Any,
+) -> Image:
+    """Of 16 x 16 pixels, by independent numbers; `folder` is made, `prepare` changes what was compiled."""
+    folder.mkdir()
+    traced = {**document, "tracing": {"sequence": "independent", **tracing}}
+    measurement = Measurement(traced, folder, 16, 16)
+    if prepare is not None:
+        prepare(measurement)
+    image = measurement.image(part_of(1024), seed)
+    assert measurement.statistics["invalid_samples"] == 0
+    return image

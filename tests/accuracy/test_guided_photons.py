@@ -14,9 +14,8 @@ import pytest
 from nocturne_scene.validation.documents import diffuse, quad, sphere, surface
 
 from tests.accuracy.agreement import compare
-from tests.accuracy.meters import Measurement
-from tests.accuracy.tracing import Document, part_of
-from tests.system.images import Image
+from tests.accuracy.meters import Measurement, independent_image
+from tests.accuracy.tracing import Document
 
 pytestmark = [pytest.mark.system, pytest.mark.every_sixth]
 
@@ -81,17 +80,6 @@ def _arrivals(count: int = 4000) -> bytes:
     return b"".join(struct.pack("<3f2h", *p, *s) for p, s in zip(places, steps, strict=True))
 
 
-def _image(document: Document, seed: int, folder: Path, *, guided: bool, **tracing: Any) -> Image:
-    folder.mkdir()
-    traced = {**document, "tracing": {"sequence": "independent", **tracing}}
-    measurement = Measurement(traced, folder, 16, 16)
-    if guided:
-        measurement.guide(_arrivals())
-    image = measurement.image(part_of(1024), seed)
-    assert measurement.statistics["invalid_samples"] == 0
-    return image
-
-
 @pytest.mark.parametrize(
     "tracing",
     [
@@ -105,9 +93,11 @@ def _image(document: Document, seed: int, folder: Path, *, guided: bool, **traci
 @pytest.mark.parametrize("name", SCENES)
 def test_what_guides_photons_changes_no_image(name: str, tracing: dict[str, Any], tmp_path: Path) -> None:
     """z of tiles and of the mean; false alarms: 0.013 for each scene and method."""
-    plain = {"direction": "adjoint", "sharing": 1}
-    reference = _image(SCENES[name], 1, tmp_path / "plain", guided=False, **plain)
-    guided = _image(SCENES[name], 2, tmp_path / "guided", guided=True, **tracing)
+    plain: dict[str, Any] = {"direction": "adjoint", "sharing": 1}
+    reference = independent_image(SCENES[name], 1, tmp_path / "plain", **plain)
+    guided = independent_image(
+        SCENES[name], 2, tmp_path / "guided", lambda one: one.guide(_arrivals()), **tracing
+    )
     compare(reference, guided).check_mean_and_tiles()
 
 

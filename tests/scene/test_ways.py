@@ -18,6 +18,8 @@ from nocturne_scene.film import Film
 from nocturne_scene.render_warnings import UnmetPart, from_messages
 from nocturne_scene.scene_ranges import schedule_for_scene
 
+from tests.accuracy.window_rooms import SCENES
+
 LARGE, SMALL = Film(64, 64, 64), Film(64, 64, 63)
 
 
@@ -394,41 +396,14 @@ def test_photons_know_which_sky_is_visible(
         del trace.asked[1:]
 
 
-def room(*, closed: bool) -> dict[str, Any]:
-    """Of 4 m, with a window of 1 m, and a camera in it; or its floor alone."""
-    quads = [
-        ([0, 0, 0], [4, 0, 0], [0, 4, 0]),
-        ([0, 4, 0], [4, 0, 0], [0, 0, 3]),
-        ([0, 0, 0], [0, 4, 0], [0, 0, 3]),
-        ([4, 0, 0], [0, 0, 3], [0, 4, 0]),
-        ([0, 0, 0], [0, 0, 1], [4, 0, 0]),
-        ([0, 0, 2], [0, 0, 1], [4, 0, 0]),
-        ([0, 0, 1], [0, 0, 1], [1.5, 0, 0]),
-        ([2.5, 0, 1], [0, 0, 1], [1.5, 0, 0]),
-    ]
-    quads += [([0, 0, 3], [0, 4, 0], [4, 0, 0])]
-    camera = {"type": "pinhole", "position": [2, 0.5, 1.5], "look_at": [2, 4, 1], "up": [0, 0, 1]}
-    return {
-        "nocturne": 1,
-        "sensor": {**camera, "vertical_field_of_view_degrees": 70},
-        "environment": {"radiance": 1.0},
-        "surfaces": [
-            {
-                "shape": {"type": "quad", "corner": corner, "edge_u": u, "edge_v": v},
-                "kernel": {"type": "lambertian", "reflectance": 0.5},
-            }
-            for corner, u, v in (quads if closed else quads[:1])
-        ],
-    }
-
-
 def test_the_real_tracer_learns_which_sky_is_visible_in_a_room(blobs: BlobStore) -> None:
     """And nothing where there are no walls."""
-    outputs = [compile_scene(parse_document(json.dumps(room(closed=True))), blobs, LARGE) for _ in range(2)]
+    room = SCENES["even sky"]
+    outputs = [compile_scene(parse_document(json.dumps(room)), blobs, LARGE) for _ in range(2)]
     assert outputs[0] == outputs[1]
     scene = scene_pb2.CompiledScene.FromString(blobs.path(outputs[0].scene_sha256).read_bytes())
     assert 16 * 100 < len(scene.visible_sky) <= 65_536 * 16
-    _, tracing = compiled(room(closed=False), blobs, LARGE)
+    _, tracing = compiled({**room, "surfaces": room["surfaces"][:1]}, blobs, LARGE)
     assert "visible" not in tracing.way
 
 

@@ -43,11 +43,17 @@ from nocturne_scene.render_warnings import RenderWarning, from_messages, of_scen
 # Layouts of CompiledScene; raised with every change that an older worker would misread. The second one is
 # that of scenes whose sensor tells parts of the light, the third of those with a forward_ratio, the
 # fourth of those whose photons are guided, the fifth of those with other wavelengths than 360 to 830 nm, the
-# seventh of those whose responses tell light groups apart, or that have rays of files.
-FORMAT, FORMAT_WITH_PARTS, FORMAT_WITH_RATIO, FORMAT_WITH_GUIDE, FORMAT_WITH_RANGE, FORMAT_WITH_SKY = range(
-    3, 9
-)
-FORMAT_WITH_LIGHT_GROUPS = 9
+# sixth of those whose photons know the visible sky, the seventh of those whose responses tell light groups
+# apart, or that have rays of files.
+(
+    FORMAT,
+    FORMAT_WITH_PARTS,
+    FORMAT_WITH_RATIO,
+    FORMAT_WITH_GUIDE,
+    FORMAT_WITH_RANGE,
+    FORMAT_WITH_SKY,
+    FORMAT_WITH_LIGHT_GROUPS,
+) = range(3, 10)
 
 
 def compile_scene(document: SceneDocument, blobs: BlobStore, film: Film | None = None) -> CompiledOutput:
@@ -178,57 +184,39 @@ def _put_tracing(
         message.format = FORMAT_WITH_LIGHT_GROUPS
 
 
-def _refuse_distant_photons(workspace: Workspace) -> None:
-    """Photons of the Sun and the sky start on a ball around the scene, and would not know what media weaken
-    or scatter before they get there."""
-    workspace.photons_can_start = False
-    if workspace.document.tracing.direction in ("forward", "both"):
-        told = 'photons of distant light can\'t start in unbounded media; expected "adjoint"'
-        workspace.problems.append(Problem("$.tracing.direction", told))
-
-
 def _glows(message: scene_pb2.CompiledScene) -> bool:
     return any(medium.HasField("temperature") for medium in message.media)
-
-
-def _refuse_photons_of_luminaires(workspace: Workspace, message: scene_pb2.CompiledScene) -> None:
-    """Where they would not bring all light, or bring it wrong."""
-    if has_sky(message) and message.unbounded_interiors:
-        _refuse_distant_photons(workspace)
-    if has_sky(message) and workspace.document.atmosphere is not None:
-        _refuse_lost_photons(workspace, message)
-    if _glows(message) and workspace.document.sensor.type in MET_BY_PHOTONS:
-        _refuse_photons_beside_glow(workspace)
-    if _has_tilted_normals(message) and workspace.document.sensor.type in MET_BY_PHOTONS:
-        _refuse_photons_on_tilted_normals(workspace)
 
 
 def _has_tilted_normals(message: scene_pb2.CompiledScene) -> bool:
     return any(each.HasField("normal_map") or each.HasField("bump_map") for each in message.surfaces)
 
 
-def _refuse_photons_on_tilted_normals(workspace: Workspace) -> None:
-    """Where a texture tilts a normal away from who looks, the surface's own counts; where it tilts it away
-    from the light, none comes. A photon from a luminaire knows the light's side alone: a meter that looks
-    over such a floor at a low angle read a fifth less."""
-    workspace.photons_can_start = False
-    if workspace.document.tracing.direction == "forward":
-        told = (
-            "photons from luminaires do not know from where a normal map or a bump map is looked at; "
-            'expected "adjoint"'
-        )
-        workspace.problems.append(Problem("$.tracing.direction", told))
+def _refuse_photons_of_luminaires(workspace: Workspace, message: scene_pb2.CompiledScene) -> None:
+    """Where they would not bring all light, or bring it wrong."""
+    meter = workspace.document.sensor.type in MET_BY_PHOTONS
+    if has_sky(message) and message.unbounded_interiors:
+        # They start on a ball around the scene, and would not know what media weaken or scatter before that.
+        told = "photons of distant light can't start in unbounded media"
+        _refuse_photons(workspace, told, "forward", "both")
+    if has_sky(message) and workspace.document.atmosphere is not None:
+        _refuse_lost_photons(workspace, message)
+    if _glows(message) and meter:
+        # Media are no luminaires. A camera's own photons count their glow.
+        told = "photons can't start where media glow, so that a meter would miss that light"
+        _refuse_photons(workspace, told, "forward")
+    if _has_tilted_normals(message) and meter:
+        # Where a texture tilts a normal away from who looks, the surface's own counts; where it tilts it away
+        # from the light, none comes. A meter that looks over such a floor at a low angle read a fifth less.
+        told = "photons from luminaires do not know from where a normal map or a bump map is looked at"
+        _refuse_photons(workspace, told, "forward")
 
 
-def _refuse_photons_beside_glow(workspace: Workspace) -> None:
-    """Media are no luminaires: what a meter counts of photons from these has nothing of the glow. A camera's
-    own photons count it."""
+def _refuse_photons(workspace: Workspace, told: str, *directions: str) -> None:
+    """A pilot does not choose them either."""
     workspace.photons_can_start = False
-    if workspace.document.tracing.direction == "forward":
-        told = (
-            'photons can\'t start where media glow, so that a meter would miss that light; expected "adjoint"'
-        )
-        workspace.problems.append(Problem("$.tracing.direction", told))
+    if workspace.document.tracing.direction in directions:
+        workspace.problems.append(Problem("$.tracing.direction", f'{told}; expected "adjoint"'))
 
 
 def _refuse_lost_photons(workspace: Workspace, message: scene_pb2.CompiledScene) -> None:

@@ -3,10 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tracer/by_kind.h"
 #include "tracer/by_threads.h"
-#include "tracer/flush_denormals.h"
-#include "tracer/pixel_batches.h"
+#include "tracer/estimators/radiance_estimator.h"
+#include "tracer/trace_tile.h"
 
 namespace nocturne {
 namespace {
@@ -15,36 +14,6 @@ namespace {
 /// what is visible could bring a factor of two at most. In the living room of bench/real it is
 /// 0.04.
 constexpr double kOpen = 0.3;
-
-struct FilmLine {
-  SkySightings sightings;
-  std::uint64_t rays = 0;
-};
-
-template <int N, bool Media>
-FilmLine trace_line(const Scene& scene, Film film, std::uint32_t y, std::uint32_t samples) {
-  const FlushDenormals flush;
-  FilmLine line;
-  TileSums counts(0, 0, scene.wavelengths.further_curves());
-  PixelBatches<N, Media> batches(scene, film, kBatchGroups, {});
-  batches.keep_sightings(line.sightings);
-  std::vector<PixelIndex> pixels;
-  std::vector<double> values;
-  const auto trace = [&] {
-    values.assign(pixels.size() * counts.values(), 0.0);
-    batches.trace(pixels, counts, values.data());
-    pixels.clear();
-  };
-  for (std::uint32_t x = 0; x < film.width; ++x) {
-    for (std::uint32_t sample = 0; sample < samples; ++sample) {
-      pixels.push_back({x, y, sample});
-      if (pixels.size() == kBatchGroups) trace();
-    }
-  }
-  trace();
-  line.rays = counts.rays;
-  return line;
-}
 
 }  // namespace
 
@@ -62,22 +31,20 @@ LearnedSky learn_visible_sky(Scene& scene, Film film, double samples, unsigned t
       std::clamp(samples / of_line, 1.0, static_cast<double>(film.height)));
   const auto each =
       static_cast<std::uint32_t>(std::max(1.0, std::round(samples / (of_line * count))));
-  std::vector<FilmLine> lines(count);
+  std::vector<SkySightings> lines(count);
   by_threads(count, threads, [&](std::size_t i) {
     const auto y = static_cast<std::uint32_t>((static_cast<double>(i) + 0.5) * film.height / count);
-    lines[i] = by_kind_of(
-        scene, [&]<int N, bool Media>() { return trace_line<N, Media>(scene, film, y, each); });
+    trace_tile(scene, film, {0, y, film.width, 1, 0, each}, kBatchGroups, {}, &lines[i]);
   });
   scene.options = before;
   scene.occlusion_decides = occlusion;
   LearnedSky found;
   std::vector<VisibleSky::Sighting> all;
   double free = 0.0, stopped = 0.0;
-  for (const FilmLine& line : lines) {
-    all.insert(all.end(), line.sightings.all.begin(), line.sightings.all.end());
-    free += static_cast<double>(line.sightings.free);
-    stopped += static_cast<double>(line.sightings.stopped);
-    found.rays += line.rays;
+  for (const SkySightings& line : lines) {
+    all.insert(all.end(), line.all.begin(), line.all.end());
+    free += static_cast<double>(line.free);
+    stopped += static_cast<double>(line.stopped);
   }
   found.samples = std::uint64_t{count} * film.width * each;
   if (free > kOpen * (free + stopped)) return found;

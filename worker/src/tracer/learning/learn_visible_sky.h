@@ -14,8 +14,8 @@ struct LearnedSky {
   /// At most VisibleSky::kMaxSightings, spread over all; none where most directions to the sky are
   /// free, so that there is nothing to learn.
   std::vector<VisibleSky::Sighting> sightings;
-  /// Samples of pixels that were traced, and their rays.
-  std::uint64_t samples = 0, rays = 0;
+  /// Of pixels, that were traced.
+  std::uint64_t samples = 0;
 };
 
 /// From about so many samples of pixels, in lines over all of the film. The same on any number of
