@@ -1,4 +1,4 @@
-"""What it is worth to know which sky is visible: a room with a window, with and without."""
+"""The gain of photons that know the visible sky: a room with a window, with and without."""
 
 import tempfile
 from pathlib import Path

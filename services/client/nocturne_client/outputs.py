@@ -1,6 +1,7 @@
 """Files that commands write: whole or not at all; devices and links stay as they are."""
 
 import os
+import shutil
 import stat
 import tempfile
 from collections.abc import Iterator
@@ -50,6 +51,12 @@ def written(path: Path) -> Iterator[IO[bytes]]:
         temporary.replace(target)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def put(made: Path, path: Path) -> None:
+    """Writes to `path` what `made` holds, as `written` does. Raises OSError."""
+    with written(path) as file, made.open("rb") as source:
+        shutil.copyfileobj(source, file)
 
 
 def is_standard_output(path: Path) -> bool:

@@ -1,6 +1,5 @@
 """`nocturne mix`: the image of other amounts of light in its light groups."""
 
-import shutil
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
@@ -9,7 +8,7 @@ from nocturne_coordinator.output.mixes import write_mix
 from nocturne_scene.errors import InputError
 
 from nocturne_client.errors import NocturneClientError
-from nocturne_client.outputs import check_output, written
+from nocturne_client.outputs import check_output, put
 
 
 def mix_file(image: Path, output: Path, factors: Mapping[str, float]) -> None:
@@ -19,8 +18,7 @@ def mix_file(image: Path, output: Path, factors: Mapping[str, float]) -> None:
         with tempfile.TemporaryDirectory(prefix="nocturne-mix-") as folder:
             made = Path(folder) / "mix.exr"
             write_mix(image, made, factors)
-            with written(output) as file, made.open("rb") as source:
-                shutil.copyfileobj(source, file)
+            put(made, output)
     except InputError as error:
         raise NocturneClientError(f"{error.problems[0].place}: {error.problems[0].message}") from error
     except OSError as error:

@@ -1,6 +1,5 @@
 """`nocturne rays`: what leaves a lamp in a scene as a ray file."""
 
-import shutil
 import subprocess
 import tempfile
 from collections.abc import Mapping
@@ -17,7 +16,7 @@ from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.compiled import CompiledFolder, compile_to
 from nocturne_client.local.goniometer import RAY_FILE, check_sensor
 from nocturne_client.local.programs import need_program
-from nocturne_client.outputs import check_output, written
+from nocturne_client.outputs import check_output, put
 
 MOST = 10_000_000
 """Photons; their rays take 160 bytes each while they are written."""
@@ -55,8 +54,7 @@ def write_rays(asked: Asked) -> None:
         made = Path(folder) / asked.output.name
         try:
             tm25.write(made, rays)
-            with written(asked.output) as file, made.open("rb") as source:
-                shutil.copyfileobj(source, file)
+            put(made, asked.output)
         except OSError as problem:
             raise NocturneClientError(f"{asked.output}: {problem.strerror}") from problem
     lumens = float(far_field.lumens_of(rays).sum())

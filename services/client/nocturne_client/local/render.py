@@ -24,7 +24,7 @@ from nocturne_client.local.compiled import CompiledFolder, compile_to
 from nocturne_client.local.image_error import image_error
 from nocturne_client.local.local_stop import LocalStop
 from nocturne_client.local.programs import need_program
-from nocturne_client.outputs import check_output, written
+from nocturne_client.outputs import check_output, put
 
 _PERCENT = re.compile(r"\s*([0-9.]+) %")
 
@@ -95,8 +95,7 @@ def _write(image: Path, output: Path) -> None:
     """Writes an EXR as what the name of an output asks for. Raises NocturneClientError, and keeps the EXR."""
     made = _WRITERS.get(output.suffix.lower(), _as_it_is)(image)
     try:
-        with written(output) as target, made.open("rb") as source:
-            shutil.copyfileobj(source, target)
+        put(made, output)
     except OSError as error:
         kept = Path(tempfile.mkdtemp(prefix="nocturne-image-")) / image.name
         shutil.copyfile(image, kept)
