@@ -57,10 +57,7 @@ def test_two_commands_in_an_empty_debian(suite: str, from_source: Image) -> None
 
 @pytest.mark.parametrize("minor", [11, 12, 13, 14])
 def test_every_version_of_python_at_hand(minor: int, from_source: Image, tmp_path: Path) -> None:
-    python = shutil.which(f"python3.{minor}")
-    if python is None:
-        pytest.skip(f"python3.{minor} is not here")
-    environment = _installed(python, f"3.{minor}", tmp_path, "nocturne[all]")
+    environment = _installed(f"3.{minor}", tmp_path, "nocturne[all]")
     port = free_port_pair()
     data = ["--data", str(tmp_path / "data")]
     subprocess.run(
@@ -81,10 +78,7 @@ def test_every_version_of_python_at_hand(minor: int, from_source: Image, tmp_pat
 
 
 def test_the_client_alone_by_its_oldest_python(tmp_path: Path) -> None:
-    python = shutil.which("python3.10")
-    if python is None:
-        pytest.skip("python3.10 is not here")
-    environment = _installed(python, "3.10", tmp_path, "nocturne")
+    environment = _installed("3.10", tmp_path, "nocturne")
     said = subprocess.run(
         [tmp_path / "here" / "bin" / "nocturne", "list", "--url", "http://127.0.0.1:9"],
         env=environment,
@@ -95,11 +89,20 @@ def test_the_client_alone_by_its_oldest_python(tmp_path: Path) -> None:
     assert (said.returncode, "Traceback" in said.stderr) == (3, False), said.stderr
 
 
-def _installed(python: str, version: str, folder: Path, wanted: str) -> dict[str, str]:
+def _installed(version: str, folder: Path, wanted: str) -> dict[str, str]:
     """An environment in `folder`/here with the wheels; gives the variables to run its programs with."""
     environment = {"HOME": str(folder), "PATH": os.defpath}
-    subprocess.run([python, "-m", "venv", folder / "here"], check=True)
+    subprocess.run([_python(version), "-m", "venv", folder / "here"], check=True)
     offline = ["--quiet", "--no-index", "--find-links", str(wheels_for(version, _BUILT, wanted))]
     pip = [str(folder / "here" / "bin" / "python"), "-m", "pip", "--disable-pip-version-check"]
     subprocess.run([*pip, "install", *offline, wanted], check=True, env=environment)
     return environment
+
+
+def _python(version: str) -> str:
+    """In PATH, or where pyenv keeps all. Skips where there is none."""
+    kept = Path.home() / ".pyenv" / "versions"
+    for found in (shutil.which(f"python{version}"), *kept.glob(f"{version}.*/bin/python{version}")):
+        if found and subprocess.run([found, "-c", ""], check=False, capture_output=True).returncode == 0:
+            return str(found)
+    pytest.skip(f"python{version} is not here")
