@@ -12,7 +12,7 @@ ROOT = Path(__file__).parents[2]
 _KEPT = ROOT / "build" / "roots"
 _PACKAGES = "python3,python3-venv"
 _USER = "1000"
-_PIP = (sys.executable, "-m", "pip", "--disable-pip-version-check")
+_PIP = ("-m", "pip", "--disable-pip-version-check")
 
 
 class EmptyRoot:
@@ -67,12 +67,17 @@ class EmptyRoot:
         return done.stdout
 
 
-def wheels_for(python: str, built: Path, wanted: str = "nocturne[all]") -> Path:
-    """A folder with our wheels and those of all that they need, for this version of Python."""
+def wheels_for(
+    python: str, built: Path, wanted: str = "nocturne[all]", program: str = sys.executable
+) -> Path:
+    """A folder with our wheels and those of all that they need, for this version of Python.
+
+    `program`: a Python that asks; of those for versions of Python, pip takes what it needs itself.
+    """
     folder = _KEPT / f"wheels-{python}"
     folder.mkdir(parents=True, exist_ok=True)
     for old in folder.glob("nocturne*.whl"):
         old.unlink()
     options = ["--quiet", "--only-binary=:all:", "--python-version", python, "--dest", str(folder)]
-    subprocess.run([*_PIP, "download", *options, "--find-links", str(built), wanted], check=True)
+    subprocess.run([program, *_PIP, "download", *options, "--find-links", str(built), wanted], check=True)
     return folder

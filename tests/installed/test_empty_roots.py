@@ -92,8 +92,9 @@ def test_the_client_alone_by_its_oldest_python(tmp_path: Path) -> None:
 def _installed(version: str, folder: Path, wanted: str) -> dict[str, str]:
     """An environment in `folder`/here with the wheels; gives the variables to run its programs with."""
     environment = {"HOME": str(folder), "PATH": os.defpath}
-    subprocess.run([_python(version), "-m", "venv", folder / "here"], check=True)
-    offline = ["--quiet", "--no-index", "--find-links", str(wheels_for(version, _BUILT, wanted))]
+    python = _python(version)
+    subprocess.run([python, "-m", "venv", folder / "here"], check=True)
+    offline = ["--quiet", "--no-index", "--find-links", str(wheels_for(version, _BUILT, wanted, python))]
     pip = [str(folder / "here" / "bin" / "python"), "-m", "pip", "--disable-pip-version-check"]
     subprocess.run([*pip, "install", *offline, wanted], check=True, env=environment)
     return environment
