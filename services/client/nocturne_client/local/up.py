@@ -13,8 +13,8 @@ from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from types import FrameType
 
+from nocturne_coordinator.signals import on_signals
 from nocturne_coordinator.socket_folder import socket_folder
 from nocturne_coordinator.store.privacy import make_private
 from nocturne_scene.errors import NocturneError
@@ -62,16 +62,10 @@ def run_up(settings: UpSettings) -> None:
     stop, reload = threading.Event(), threading.Event()
     has_terminal = os.isatty(0)
 
-    def hung_up(_: int, __: FrameType | None) -> None:
+    def hung_up() -> None:
         (stop if has_terminal and not os.isatty(0) else reload).set()
 
-    signal.signal(signal.SIGHUP, hung_up)
-
-    def ask_to_stop(_: int, __: FrameType | None) -> None:
-        stop.set()
-
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, ask_to_stop)
+    on_signals({signal.SIGHUP: hung_up, signal.SIGINT: stop.set, signal.SIGTERM: stop.set})
     with _told(settings.data):
         _make_folder(settings.data)
         _run(settings, stop, reload)
