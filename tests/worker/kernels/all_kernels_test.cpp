@@ -47,6 +47,7 @@ class Shown {
     for (const float n : {0.0f, 10.0f, 1000.0f})
       add("phong " + std::to_string(n), Phong{Colour(line(0.5f, 1.0f)), n});
     add("null kernel", NullKernel{});
+    add("fluorescent", Fluorescent{Colour(line(0.2f, 0.5f)), {}});
     const auto film = [](float k) {
       return ThinFilm(
           {{line(1.4f, 1.36f), Spectrum(0.0f), 130.0}, {line(2.4f, 2.2f), Spectrum(k), 300.0}});
