@@ -200,7 +200,7 @@ def test_photons_are_kept(tmp_path: Path) -> None:
     document["environment"] = {"radiance": {"table": [[400, 1.0], [500, 1.0]]}}
     document["sensor"]["responses"] = {"per_photon": {"table": [[360, 3.6e-3], [830, 8.3e-3]]}}
     document["tracing"] = {"estimator": "mixture", "mixture": {"kernel": 1.0}, "h": 1e6}
-    reading = Measurement(document, tmp_path, 16, 16).by_pixels(1024, "per_photon")
+    reading = Measurement(document, tmp_path, 16, 16).by_pixels(16384, "per_photon")
     truth = 1e-5 * (500**2 - 400**2) / 2 / (830 - 360)
     assert reading.error < 3e-5 * truth
     reading.check(truth, 2e-5)
