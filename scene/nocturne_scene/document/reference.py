@@ -85,6 +85,8 @@ _ORDER = (
     "ConstantEnvironment",
     "EnvironmentMap",
     "StandardSky",
+    "WeatherSky",
+    "Place",
     "DistantDisc",
     "RayFile",
     "ImportantDirection",
