@@ -87,6 +87,8 @@ _ORDER = (
     "ConstantEnvironment",
     "EnvironmentMap",
     "StandardSky",
+    "WeatherSky",
+    "Place",
     "DistantDisc",
     "RayFile",
     "ImportantDirection",
