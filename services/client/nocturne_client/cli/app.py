@@ -12,6 +12,7 @@ from nocturne_client.cli import (
     light_commands,
     local_commands,
     measure_commands,
+    parts_commands,
     preflight_command,
     service_commands,
     token_commands,
@@ -60,6 +61,7 @@ local_commands.add_to(app)
 compare_commands.add_to(app)
 measure_commands.add_to(app)
 light_commands.add_to(app)
+parts_commands.add_to(app)
 preflight_command.add_to(app)
 validate_command.add_to(app)
 app.add_typer(token_commands.app)
