@@ -35,6 +35,8 @@ _START_S = 120.0
 # A worker finishes or hands back its job; the others have nothing that takes long.
 _GRACE_S = 5.0
 _TEND_S = 0.2
+LOCK = "service.lock"
+"""In the data folder: who runs a service there holds it."""
 # An empty database with its log, and first lines of logs.
 _PROBE_BYTES = 2**20
 
@@ -237,7 +239,7 @@ def _told(data: Path) -> Iterator[None]:
 @contextmanager
 def only_one_service(data: Path) -> Iterator[None]:
     """Holds the folder; the lock goes with the process, however it ends."""
-    with (data / "service.lock").open("w") as lock:
+    with (data / LOCK).open("w") as lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as error:
