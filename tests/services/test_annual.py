@@ -49,7 +49,14 @@ def test_a_year_of_a_room(tmp_path: Path) -> None:
     """Four points, at the window and behind; the lamp does not count, nor does the meter on the roof."""
     scene = _scene(tmp_path)
     files = {name: tmp_path / name for name in ("year.json", "year.svg", "points.csv", "hours.csv")}
-    outputs = ["-o", files["year.json"], "-o", files["year.svg"], "--table", files["points.csv"]]
+    outputs: list[str | Path] = [
+        "-o",
+        files["year.json"],
+        "-o",
+        files["year.svg"],
+        "--table",
+        files["points.csv"],
+    ]
     outputs += ["--hours-table", files["hours.csv"]]
     said = _run(scene, "--weather", tmp_path / "year.epw", *_FEW, *outputs)
     assert "Testing, NOW: 3650 hours, 4 points, 95 % intervals" in said
