@@ -17,7 +17,9 @@ def kernel(draft: Draft, depth: int = 0) -> Any:
     simple = (_lambertian, _lambertian, _transmitter, _phong, _measured, _coated, _principled, _conductor)
     sharp = (_pane, _glazing, _null) if draft.sharp else ()
     compound = (_blend, _mask, _two_sided) if depth < 2 else ()
-    made = draft.chance.pick([*simple, *sharp, *compound])(draft, depth)
+    # In no blend and no mask.
+    glowing = (_fluorescent,) if depth == 0 else ()
+    made = draft.chance.pick([*simple, *sharp, *compound, *glowing])(draft, depth)
     return draft.used("kernels", made)
 
 
@@ -68,6 +70,23 @@ def _facets(draft: Draft) -> Document:
 
 def _lambertian(draft: Draft, depth: int) -> Document:
     return {"type": "lambertian", "reflectance": colour(draft)}
+
+
+def _fluorescent(draft: Draft, depth: int) -> Document:
+    """Of one dye, or by a matrix."""
+    chance = draft.chance
+    if chance.maybe(0.5):
+        low, high = chance.number(0.05, 0.2), chance.number(0.2, 0.5)
+        glow: Document = {
+            "absorption": {"table": [[380, low], [450, high], [560, 0.0]]},
+            "emission": {"table": [[480, 0.0], [530, 1.0], [600, chance.number(0.1, 0.9)], [680, 0.0]]},
+        }
+        if chance.maybe(0.5):
+            glow["quantum_yield"] = chance.number(0.3, 1.0)
+    else:
+        rows = [[chance.number(0.0, 3e-3) for _ in range(3)] for _ in range(2)]
+        glow = {"excitation_nm": [400, 520], "emission_nm": [500, 570, 650], "values": rows}
+    return {"type": "lambertian", "reflectance": chance.number(0.1, 0.4), "fluorescence": [glow]}
 
 
 def _transmitter(draft: Draft, depth: int) -> Document:

@@ -127,7 +127,8 @@ def compiled(document: Document, scene: Scene, folder: Path, samples: int) -> Co
     try:
         return compile_to(write(document, folder), folder, scene.width, scene.height, samples)
     except NocturneClientError as error:
-        if any("adjoint" in each.message for each in error.problems):
+        # Fluorescent scenes share nothing.
+        if any("adjoint" in each.message or "can't share" in each.message for each in error.problems):
             raise Refused(str(error)) from error
         raise
 

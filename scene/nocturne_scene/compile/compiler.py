@@ -11,6 +11,7 @@ from nocturne.v1 import scene_pb2
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.compile.atmosphere import atmosphere_surfaces
 from nocturne_scene.compile.environment import has_sky
+from nocturne_scene.compile.fluorescence import fluoresces
 from nocturne_scene.compile.grids import Grids
 from nocturne_scene.compile.instances import Instances
 from nocturne_scene.compile.kernels import Kernels
@@ -195,6 +196,11 @@ def _has_tilted_normals(message: scene_pb2.CompiledScene) -> bool:
 def _refuse_photons_of_luminaires(workspace: Workspace, message: scene_pb2.CompiledScene) -> None:
     """Where they would not bring all light, or bring it wrong."""
     meter = workspace.document.sensor.type in MET_BY_PHOTONS
+    if fluoresces(workspace.kernels.messages):
+        _refuse_photons(workspace, "photons from luminaires do not fluoresce", "forward", "both")
+        if workspace.document.tracing.sharing not in ("auto", 1):
+            told = "pixels whose photons fluoresce can't share them; expected 1"
+            workspace.problems.append(Problem("$.tracing.sharing", told))
     if has_sky(message) and message.unbounded_interiors:
         # They start on a ball around the scene, and would not know what media weaken or scatter before that.
         told = "photons of distant light can't start in unbounded media"

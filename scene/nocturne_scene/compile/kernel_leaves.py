@@ -8,6 +8,7 @@ from nocturne.v1 import scene_pb2
 
 from nocturne_scene.compile import spectra
 from nocturne_scene.compile.films import compile_glazing, compile_layers
+from nocturne_scene.compile.fluorescence import compile_fluorescent
 from nocturne_scene.compile.indices import AnyIndex, compile_complex, compile_index
 from nocturne_scene.compile.measured import compile_measured
 from nocturne_scene.compile.textures import Textures
@@ -64,6 +65,8 @@ class Leaves:
         kin."""
         colour = self._textures.reflectance
         match kernel:
+            case Lambertian() if kernel.fluorescence:
+                return Leaf(scene_pb2.Kernel(fluorescent=compile_fluorescent(self._workspace, kernel)))
             case Lambertian():
                 lambertian = scene_pb2.Lambertian(reflectance=colour(kernel.reflectance, ".reflectance"))
                 return Leaf(scene_pb2.Kernel(lambertian=lambertian))

@@ -149,6 +149,8 @@ class Kernels:
         pool = self._workspace.kernels
         if len(parts) == 1 and not parts[0].factors:
             return pool.index_of(parts[0].kernel)
+        if any(part.kernel.HasField("fluorescent") for part in parts):
+            raise Unusable("a fluorescent surface can be no part of a blend or a mask")
         blend = scene_pb2.Blend(
             parts=[
                 scene_pb2.Blend.Part(kernel=pool.index_of(part.kernel), factors=part.factors)

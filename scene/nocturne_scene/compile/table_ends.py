@@ -64,8 +64,8 @@ def _values(workspace: Workspace) -> Iterator[tuple[_Steps, object]]:
 
 
 def _counts(workspace: Workspace, steps: _Steps) -> bool:
-    """A sensor's responses end where they end; of named entries only those that are used matter."""
-    if steps[:2] == ("sensor", "responses"):
+    """A sensor's responses and fluorescence end where they end; of named entries those in use matter."""
+    if steps[:2] == ("sensor", "responses") or "fluorescence" in steps:
         return False
     if len(steps) == 2 and steps[0] in NAMED and steps[0] != "groups":
         return workspace.is_used(str(steps[0]), str(steps[1]))

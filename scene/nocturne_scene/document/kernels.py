@@ -7,6 +7,7 @@ from pydantic import AfterValidator, Field, ValidationInfo, model_validator
 from nocturne_scene.document import bounds
 from nocturne_scene.document.fields import AssetReference, Finite
 from nocturne_scene.document.films import Layers, Pane
+from nocturne_scene.document.fluorescence import Fluorescence
 from nocturne_scene.document.indices import ComplexIndexReference, IndexReference
 from nocturne_scene.document.node import ByType, Node, problem_at
 from nocturne_scene.document.spectra import SpectrumReference, known_name
@@ -20,6 +21,12 @@ class Lambertian(Node):
 
     type: Literal["lambertian"]
     reflectance: ColourReference = Field(description=_REFLECTANCE)
+    fluorescence: Annotated[list[Fluorescence], Field(max_length=bounds.FLUOROPHORES)] = Field(
+        default=[],
+        description="What else it does with light: absorbs it and sends it on at other wavelengths. Of each "
+        "wavelength's photons at most all are reflected or absorbed so. Light within the scene's "
+        "`wavelengths` excites; photons start at the sensor alone. Default: nothing.",
+    )
 
 
 class DiffuseTransmitter(Node):

@@ -51,6 +51,8 @@ _ORDER = (
     "AtmosphericOzone",
     "AtmosphericAerosol",
     "Lambertian",
+    "Fluorophore",
+    "Reradiation",
     "DiffuseTransmitter",
     "Conductor",
     "Dielectric",

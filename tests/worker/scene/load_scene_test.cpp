@@ -71,6 +71,21 @@ v1::Response& add_counted_group(v1::CompiledScene& message) {
   return response;
 }
 
+v1::Fluorescent::Fluorophore& add_fluorophore(v1::CompiledScene& message) {
+  auto& fluorescent = *message.mutable_kernels(0)->mutable_fluorescent();
+  fluorescent.mutable_reflectance()->set_spectrum(add_spectrum(message, 0.2f));
+  auto& added = *fluorescent.add_fluorophores();
+  added.set_absorption(add_spectrum(message, 0.5f));
+  added.set_emission(add_spectrum(message, 1e-6f));
+  return added;
+}
+
+TEST(LoadScene, TakesFluorescenceOfPhotonsFromTheSensor) {
+  test::SceneBuilder builder = good_scene();
+  add_fluorophore(builder.message);
+  EXPECT_NO_THROW(builder.load());
+}
+
 TEST(LoadScene, RefusesDamagedMessagesInWords) {
   const Damage damages[] = {
       {"format", [](auto& m) { m.set_format(1); }},
@@ -121,6 +136,23 @@ TEST(LoadScene, RefusesDamagedMessagesInWords) {
          auto& medium = *m.add_media();
          medium.mutable_phase()->mutable_henyey_greenstein()->set_g(0.0);
          medium.set_constant(-1.0);
+       }},
+      {"no fluorophore", [](auto& m) { m.mutable_kernels(0)->mutable_fluorescent(); }},
+      {"fluorescence where",
+       [](auto& m) {
+         add_fluorophore(m);
+         m.mutable_tracing()->set_sharing(16);
+       }},
+      {"spectrum index", [](auto& m) { add_fluorophore(m).set_absorption(99); }},
+      {"zero everywhere",
+       [](auto& m) { add_fluorophore(m).set_absorption(add_spectrum(m, 0.0f)); }},
+      {"with lines",
+       [](auto& m) {
+         const auto index = static_cast<int>(add_fluorophore(m).emission());
+         auto& line = *m.mutable_spectra(index)->add_lines();
+         line.set_centre_nm(500);
+         line.set_power(1);
+         line.set_width_nm(1);
        }},
       {"roulette", [](auto& m) { m.mutable_tracing()->clear_roulette(); }},
       {"sequence", [](auto& m) { m.mutable_tracing()->clear_sequence(); }},

@@ -5,6 +5,7 @@
 #include <unordered_map>
 
 #include "scene/blob_file.h"
+#include "scene/load_fluorophore.h"
 #include "scene/load_textures.h"
 
 namespace nocturne {
@@ -56,6 +57,8 @@ class KernelLoader {
         return principled(message.principled());
       case v1::Kernel::kNullKernel:
         return NullKernel{};
+      case v1::Kernel::kFluorescent:
+        return fluorescent(message.fluorescent());
       case v1::Kernel::kBlend:
         return blend(message.blend());
       case v1::Kernel::MODEL_NOT_SET:
@@ -66,6 +69,16 @@ class KernelLoader {
 
  private:
   Colour colour(const v1::Colour& message) const { return load_colour(context_, message, 1.0f); }
+
+  Fluorescent fluorescent(const v1::Fluorescent& message) const {
+    constexpr int kMaxFluorophores = 1000;
+    require(message.fluorophores_size() >= 1 && message.fluorophores_size() <= kMaxFluorophores,
+            "a fluorescent kernel of no fluorophore, or of more than 1000");
+    Fluorescent kernel{colour(message.reflectance()), {}};
+    for (const auto& each : message.fluorophores())
+      kernel.fluorophores.push_back(load_fluorophore(context_, each));
+    return kernel;
+  }
 
   Roughness roughness(const v1::Roughness& message) const {
     return {load_scalar(context_, message.alpha_u(), 0.0, 1.0),
@@ -319,6 +332,8 @@ bool needs_detail(const v1::CompiledScene& message, std::uint32_t index) {
       return varies(kernel.phong().reflectance());
     case v1::Kernel::kPrincipled:
       return needs_detail(kernel.principled());
+    case v1::Kernel::kFluorescent:
+      return varies(kernel.fluorescent().reflectance());
     case v1::Kernel::kBlend:
       return std::ranges::any_of(kernel.blend().parts(), [&](const v1::Blend::Part& part) {
         return needs_detail(message, part.kernel()) ||

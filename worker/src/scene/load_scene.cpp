@@ -158,6 +158,14 @@ TracingOptions load_tracing(const v1::Tracing& t, bool no_lights) {
       t.seed()};
 }
 
+// Photons from luminaires keep their wavelengths, and neighbours share those of a block.
+void check_fluorescence(const std::vector<AnyKernel>& kernels, const TracingOptions& options) {
+  const bool fluoresces = std::ranges::any_of(
+      kernels, [](const AnyKernel& kernel) { return std::holds_alternative<Fluorescent>(kernel); });
+  require(!fluoresces || (options.direction == Direction::kAdjoint && options.sharing == 1),
+          "fluorescence where photons start from luminaires or share");
+}
+
 // Of a lamp's intensity, photons start around it.
 Vec3 sensor_start(const v1::Sensor& s) {
   const Vec3 position = vector(s.position(), "the sensor's position");
@@ -261,6 +269,7 @@ std::shared_ptr<Scene> load_scene(const v1::CompiledScene& message, const FindBl
     go_on_unless_stopped(stop);
     auto lights = load_light_directions(context, luminaires, geometry, loaded.groups);
     const TracingOptions options = load_tracing(message.tracing(), lights.empty());
+    check_fluorescence(kernels, options);
     auto sensor = load_sensor(message.sensor());
     const Bodies bodies{geometry, materials, medium_interfaces, everywhere};
     const SensorSurroundings sensor_around =

@@ -7,9 +7,9 @@
 #include <optional>
 #include <vector>
 
-#include "sensors/wavelength_density.h"
 #include "spectrum/rows.h"
 #include "spectrum/spectral.h"
+#include "spectrum/wavelength_density.h"
 
 namespace nocturne {
 

@@ -27,7 +27,8 @@ inline std::uint32_t samples_in_batch(const TracingOptions& options, std::uint32
   return std::max(1u, groups / branches);
 }
 
-/// What all groups of one sample have in common.
+/// What all groups of one sample have in common, until photons change their wavelengths: those go
+/// on as of another sample, and what they find counts for the first (Group::tally).
 template <int N>
 struct BatchSample {
   /// nm.
@@ -144,6 +145,14 @@ struct Batch {
   }
 
   const BatchSample<N>& sample_of(const Group<N>& group) const { return samples[group.sample]; }
+  /// The group's photons have other wavelengths from now on. What `samples` held has moved.
+  void change_wavelengths(Group<N>& group, const Spectral<N>& wavelengths) {
+    BatchSample<N> other = sample_of(group);
+    other.wavelengths = wavelengths;
+    group.sample = static_cast<std::uint32_t>(samples.size());
+    samples.push_back(other);
+    if constexpr (Media) flights.emplace_back(scene, wavelengths, limits);
+  }
   FreeFlight<N>& flight_of(const Group<N>& group) { return flights[group.sample]; }
   bool is_medium(const Hit& hit) const {
     if constexpr (Media) return scene.is_medium(hit.surface);

@@ -19,6 +19,7 @@
 #include "pdfs/directions.h"
 #include "tracer/both_directions/connections.h"
 #include "tracer/sharing/share.h"
+#include "tracer/vertex/fluorescence.h"
 #include "tracer/vertex/mixture.h"
 #include "tracer/vertex/next_event.h"
 #include "tracer/vertex/roulette.h"
@@ -239,8 +240,12 @@ void add_vertex(Batch& batch, std::size_t i, Chunk<N, Bound>& chunk) {
   chunk.groups[chunk.count] = &group;
   chunk.met[chunk.count] = &met;
   const Kernel& kernel = *std::get_if<Kernel>(&batch.scene.kernels[vertex->kernel]);
-  chunk.kernels[chunk.count].emplace(
-      InPlace{[&] { return bind_kernel(kernel, batch.scene.kernels, vertex->shading); }});
+  if constexpr (std::is_same_v<Kernel, Fluorescent>) {
+    chunk.kernels[chunk.count].emplace(reflect_or_emit(batch, group, *vertex, kernel));
+  } else {
+    chunk.kernels[chunk.count].emplace(
+        InPlace{[&] { return bind_kernel(kernel, batch.scene.kernels, vertex->shading); }});
+  }
   ++chunk.count;
 }
 

@@ -61,10 +61,10 @@ class DaylightPixel {
       samples_.emplace_back(InPlace{[&] { return sample_at(pixel, sequence); }});
       start(sky_batch_, samples_.back().start, sequence);
     }
-    finish(sky_batch_, of_sky_, counts);
+    finish(sky_batch_, of_sky_, samples_.size(), counts);
     const std::size_t count = request_.patches.count();
     for (const auto& met : of_sky_.met()) {
-      const PixelSample<N>& sample = samples_[met.sample];
+      const PixelSample<N>& sample = samples_[met.tally];
       const double value = sample.weight * luminous(sample.wavelengths, met.light, counts);
       const std::size_t part = std::size_t{pixel} * 2 + (met.straight ? 0 : 1);
       sums.patches[part * count + request_.patches.number(met.direction)] += value;
@@ -103,9 +103,9 @@ class DaylightPixel {
         group.mis.direction = direction;
         group.mis.worth = worth_outside(sun_batch_, group);
       }
-      finish(sun_batch_, of_suns_, counts);
+      finish(sun_batch_, of_suns_, which_.size(), counts);
       for (const auto& met : of_suns_.met()) {
-        const auto [sun, cosine] = which_[met.sample];
+        const auto [sun, cosine] = which_[met.tally];
         const double value = luminous(sample.wavelengths, met.light * white, counts);
         sums.suns[std::size_t{pixel} * suns + sun] += sample.weight / kPi * cosine * value;
       }
@@ -113,11 +113,11 @@ class DaylightPixel {
   }
 
   template <class Batch>
-  void finish(Batch& batch, SkyEstimator<N>& estimator, DaylightSums& counts) {
+  void finish(Batch& batch, SkyEstimator<N>& estimator, std::size_t samples, DaylightSums& counts) {
     trace_batch(batch);
     // Of one sample in the order in which they were met, which does not depend on the others.
-    std::ranges::stable_sort(estimator.met(), {}, &SkyEstimator<N>::Met::sample);
-    counts.photons += batch.samples.size() * N;
+    std::ranges::stable_sort(estimator.met(), {}, &SkyEstimator<N>::Met::tally);
+    counts.photons += samples * N;
     counts.rays += batch.rays;
     counts.truncated_paths += batch.limits.truncated();
   }

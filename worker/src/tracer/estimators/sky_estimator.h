@@ -20,7 +20,8 @@ template <int N>
 class SkyEstimator : public RadianceEstimator<N> {
  public:
   struct Met {
-    std::uint32_t sample;
+    /// Number of the sample that it counts for.
+    std::uint32_t tally;
     /// Unit length.
     Vec3 direction;
     bool straight;
@@ -37,13 +38,13 @@ class SkyEstimator : public RadianceEstimator<N> {
     if (hit != nullptr) return;
     if (suns_) {
       if (is_straight(group)) {
-        met_.push_back({group.sample, group.ray.direction, true, group.weight});
+        met_.push_back({group.tally, group.ray.direction, true, group.weight});
       }
       return;
     }
     const auto found = this->found_of(
         group, scene_.distant_radiance(group.ray.direction, sample.wavelengths), place);
-    if (found) met_.push_back({group.sample, group.ray.direction, is_straight(group), *found});
+    if (found) met_.push_back({group.tally, group.ray.direction, is_straight(group), *found});
   }
   void arrives(const BatchSample<N>&, const Group<N>&, const Hit&) {}
   void glows(const BatchSample<N>&, const Group<N>&, const Hit&) {}

@@ -1,4 +1,4 @@
-#include "sensors/wavelength_density.h"
+#include "spectrum/wavelength_density.h"
 
 #include <algorithm>
 #include <limits>

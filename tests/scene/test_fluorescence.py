@@ -1,0 +1,101 @@
+"""Fluorescent surfaces are compiled, and refused where they would make photons."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from nocturne.v1 import scene_pb2
+from nocturne_scene.blobs import BlobStore
+from nocturne_scene.compile import spectra
+
+from .conftest import Compile, expect_problem
+
+_DYE = {
+    "absorption": {"table": [[380, 0.2], [450, 0.5], [520, 0.0]]},
+    "emission": {"table": [[480, 0.0], [530, 2.0], [650, 0.0]]},
+}
+_MATRIX = {
+    "excitation_nm": [400, 450, 500],
+    "emission_nm": [500, 550, 600],
+    "values": [[1e-3, 2e-3, 1e-3], [2e-3, 4e-3, 1e-3], [0, 3e-3, 2e-3]],
+}
+
+
+def _with(
+    document: dict[str, Any], *fluorescence: Any, reflectance: Any = 0.3, **more: Any
+) -> dict[str, Any]:
+    kernel = {"type": "lambertian", "reflectance": reflectance, "fluorescence": list(fluorescence)}
+    document["surfaces"][0]["kernel"] = kernel
+    return document | more
+
+
+def _fluorescent(scene: scene_pb2.CompiledScene) -> scene_pb2.Fluorescent:
+    return scene.kernels[scene.surfaces[0].kernel].fluorescent
+
+
+def test_a_dye_emits_its_yield_in_photons(document: dict[str, Any], compiled: Compile) -> None:
+    scene = compiled(_with(document, _DYE | {"quantum_yield": 0.7}))
+    (found,) = _fluorescent(scene).fluorophores
+    nm = np.arange(360.0, 830.0, 0.01)
+    emission = spectra.evaluate(scene.spectra[found.emission], nm)
+    assert np.trapezoid(emission * nm, nm) == pytest.approx(0.7, rel=1e-5)
+    assert spectra.evaluate(
+        scene.spectra[found.absorption], np.array([370.0, 415.0, 530.0])
+    ) == pytest.approx([0.0, 0.35, 0.0], abs=1e-6)
+
+
+def test_a_matrix_is_a_sum_over_emitted_wavelengths(document: dict[str, Any], compiled: Compile) -> None:
+    scene = compiled(_with(document, _MATRIX))
+    into, out = np.array([400.0, 450.0, 500.0]), np.array([500.0, 525.0, 550.0, 600.0])
+    total = np.zeros((3, 4))
+    for each in _fluorescent(scene).fluorophores:
+        absorption = spectra.evaluate(scene.spectra[each.absorption], into)
+        total += np.outer(absorption * into, spectra.evaluate(scene.spectra[each.emission], out))
+    rows = np.array(_MATRIX["values"])
+    between = 0.5 * (rows[:, 0] + rows[:, 1])
+    expected = np.column_stack([rows[:, 0], between, rows[:, 1], rows[:, 2]])
+    assert total == pytest.approx(expected, rel=1e-6, abs=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("fluorescence", "reflectance", "place", "words"),
+    [
+        ([_DYE, _DYE], 0.3, ".fluorescence", "1.3"),
+        ([_DYE], {"table": [[400, 0.2], [450, 0.6], [500, 0.2]]}, ".fluorescence", "450 nm"),
+        ([_MATRIX, _MATRIX, _MATRIX], 0.2, ".fluorescence", "at most 1"),
+        ([_DYE | {"emission": 0.5}], 0.3, ".fluorescence[0].emission", "table"),
+        ([_DYE | {"emission": {"table": [[500, 0], [600, 0]]}}], 0.3, ".fluorescence[0].emission", "nothing"),
+        ([_DYE | {"absorption": {"blackbody": 3000}}], 0.3, ".fluorescence[0].absorption", "part"),
+        ([_DYE | {"absorption": {"table": [[200, 0.5], [300, 0.5]]}}], 0.3, ".fluorescence", "360 to 830 nm"),
+    ],
+)
+def test_impossible_fluorescence_is_refused(
+    document: dict[str, Any],
+    blobs: BlobStore,
+    fluorescence: list[Any],
+    reflectance: Any,
+    place: str,
+    words: str,
+) -> None:
+    scene = _with(document, *fluorescence, reflectance=reflectance)
+    expect_problem(scene, blobs, f"$.surfaces[0].kernel{place}", words)
+
+
+@pytest.mark.parametrize(("name", "value"), [("direction", "both"), ("sharing", 16)])
+def test_photons_start_at_the_sensor_and_are_not_shared(
+    document: dict[str, Any], blobs: BlobStore, name: str, value: Any
+) -> None:
+    scene = _with(document, _DYE, tracing={name: value})
+    expect_problem(scene, blobs, f"$.tracing.{name}", "fluoresce")
+
+
+def test_no_part_of_a_mask_fluoresces(document: dict[str, Any], blobs: BlobStore) -> None:
+    document = _with(document, _DYE)
+    kernel = document["surfaces"][0]["kernel"]
+    document["surfaces"][0]["kernel"] = {"type": "mask", "kernel": kernel, "opacity": 0.5}
+    expect_problem(document, blobs, "$.surfaces[0].kernel", "fluorescent")
+
+
+def test_rows_and_columns_fit(document: dict[str, Any], blobs: BlobStore) -> None:
+    wrong = _with(document, _MATRIX | {"emission_nm": [500, 550]})
+    expect_problem(wrong, blobs, "$.surfaces[0].kernel.fluorescence[0].values[0]", "values")

@@ -1,0 +1,56 @@
+#include "scene/load_fluorophore.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace nocturne {
+namespace {
+
+const v1::Spectrum& without_lines(const LoadContext& context, std::uint32_t index) {
+  context.spectrum(index);  // is there
+  const v1::Spectrum& spectrum = context.message.spectra(static_cast<int>(index));
+  require(spectrum.lines().empty(), "a fluorophore's spectrum with lines");
+  return spectrum;
+}
+
+// Where a table bends within the scene's wavelengths, and their ends unless it is zero there.
+std::vector<float> knots_of(const v1::Spectrum& table, const v1::Sensor& sensor) {
+  double first = sensor.response_first_nm();
+  double last = first + sensor.response_step_nm() * (sensor.response_y_size() - 1);
+  const int count = table.values_size();
+  if (count > 1 && table.zero_outside()) {
+    first = std::max(first, table.first_nm());
+    last = std::min(last, table.first_nm() + table.step_nm() * (count - 1));
+  }
+  require(first < last, "a fluorophore that no wavelength of the scene excites");
+  std::vector<float> knots{static_cast<float>(first)};
+  for (int i = 0; count > 1 && i < count; ++i) {
+    const auto nm = static_cast<float>(table.first_nm() + table.step_nm() * i);
+    if (nm > knots.back() && nm < static_cast<float>(last)) knots.push_back(nm);
+  }
+  knots.push_back(static_cast<float>(last));
+  return knots;
+}
+
+}  // namespace
+
+Fluorophore load_fluorophore(const LoadContext& context,
+                             const v1::Fluorescent::Fluorophore& message) {
+  const v1::Spectrum& table = without_lines(context, message.absorption());
+  without_lines(context, message.emission());
+  const Spectrum& absorption = context.spectrum(message.absorption());
+  const std::vector<float> knots = knots_of(table, context.message.sensor());
+  std::vector<float> density;
+  for (const float nm : knots) density.push_back(nm * absorption(nm));
+  double excitation = 0.0;
+  for (std::size_t i = 1; i < knots.size(); ++i) {
+    // Of a parabola between knots: Simpson's rule is exact.
+    const float middle = 0.5f * (knots[i - 1] + knots[i]);
+    excitation += (knots[i] - knots[i - 1]) / 6.0 *
+                  (density[i - 1] + 4.0 * (middle * absorption(middle)) + density[i]);
+  }
+  return {absorption, context.spectrum(message.emission()), WavelengthDensity(knots, density),
+          finite(excitation, "a fluorophore's absorption")};
+}
+
+}  // namespace nocturne
