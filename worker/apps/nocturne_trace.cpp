@@ -17,9 +17,11 @@
 #include <thread>
 #include <vector>
 
+#include "daylight_command.h"
 #include "digest/sha256.h"
 #include "film_parts.h"
 #include "image/write_exr.h"
+#include "luminaires/sky_patches.h"
 #include "math/constants.h"
 #include "nocturne/v1/job.pb.h"
 #include "pilot_command.h"
@@ -45,6 +47,7 @@ struct Options {
   std::uint64_t rays = 0;
   std::vector<std::string> pilot;
   std::vector<std::uint32_t> learned_at, part;
+  DaylightCommand daylight;
   bool quiet = false;
 };
 
@@ -342,8 +345,34 @@ void run(const Options& options) {
   if (options.layer_samples != 0) return run_layers(options, message, schedule);
   if (options.rays != 0) return run_rays(options, message);
   if (!options.learned_at.empty()) return run_learned_at(options, message, schedule);
+  if (options.daylight.divisions != 0) {
+    DaylightCommand command = options.daylight;
+    command.blobs = options.blobs;
+    command.output = options.output;
+    command.statistics = options.statistics;
+    command.threads = options.threads;
+    return run_daylight_command(command, message, schedule, progress_on_stderr(options.quiet));
+  }
   if (options.seeds != 0) return run_seeds(options, message, schedule);
   run_film(options, message, schedule, sha256_of_file(options.scene));
+}
+
+void add_daylight_options(CLI::App& app, DaylightCommand& daylight, CLI::Option* job) {
+  auto* asked = app.add_option("--daylight", daylight.divisions,
+                               "Instead of an image, what patches of the sky bring to each meter "
+                               "as float64; each of Tregenza's patches in N x N")
+                    ->check(CLI::Range(1u, SkyPatches::kMostDivisions))
+                    ->excludes(job);
+  const auto direction = [&](const char* name, std::vector<float>& axis, const char* help) {
+    app.add_option(name, axis, help)->delimiter(',')->expected(3)->needs(asked);
+  };
+  direction("--up", daylight.up, "Unit direction of the zenith, X,Y,Z");
+  direction("--north", daylight.north, "Unit direction of north, X,Y,Z, across it");
+  app.add_option("--suns", daylight.suns, "File of directions of suns, float64")
+      ->check(CLI::ExistingFile)
+      ->needs(asked);
+  app.add_option("--first-sample", daylight.first_sample, "Leave out the samples before this one")
+      ->needs(asked);
 }
 
 // One command line, without the program's name first; the program's status.
@@ -430,6 +459,7 @@ int run_command(std::vector<std::string> words) {
       ->check(CLI::ExistingDirectory)
       ->excludes(job)
       ->excludes(part);
+  add_daylight_options(app, options.daylight, job);
   app.add_flag("--quiet", options.quiet, "No progress");
   try {
     std::ranges::reverse(words);  // as CLI::App takes them

@@ -7,6 +7,7 @@ from typing import Annotated
 import typer
 
 from nocturne_client.cli import (
+    annual_command,
     compare_commands,
     demo_command,
     light_commands,
@@ -64,6 +65,7 @@ light_commands.add_to(app)
 parts_commands.add_to(app)
 preflight_command.add_to(app)
 validate_command.add_to(app)
+annual_command.add_to(app)
 app.add_typer(token_commands.app)
 app.add_typer(webhook_commands.app)
 

@@ -63,23 +63,38 @@ def compile_to(
     made without being asked for; None: none at all. `changes`: see `nocturne_scene.document.changes`.
     `name`: what errors call the scene; empty: its path.
     """
-    on_disk = read_scene(scene)
     made = {**(changes or {}), **({} if seed is None else {"tracing.seed": seed})}
-    with client_errors(f"{name or scene} can't be rendered"):
+    return compile_parts(
+        read_scene(scene), folder, (width, height), samples, made, name or str(scene), layers
+    )
+
+
+def compile_parts(
+    on_disk: SceneOnDisk,
+    folder: Path,
+    film: tuple[int, int],
+    samples: int,
+    changes: Mapping[str, Any],
+    name: str,
+    layers: Sequence[str] | None = None,
+) -> CompiledFolder:
+    """The same of a document that is read, with its files."""
+    width, height = film
+    with client_errors(f"{name} can't be rendered"):
         # Problems of the film are reported before the work.
         make_schedule(width, height, samples)
-        document = check_document(changed(on_disk.document, made))
+        document = check_document(changed(on_disk.document, changes))
         folder.mkdir(parents=True, exist_ok=True)
         blobs = BlobStore(folder / "blobs", durable=False)
         store_files(on_disk, blobs)
         width, height = film_size(document.sensor, width, height)
-        film = Film(width, height, samples)
-        names = () if layers is None else known_layers((*layers, *usual_layers(document, film)))
-        output = compile_scene(document, blobs, film)
+        whole = Film(width, height, samples)
+        names = () if layers is None else known_layers((*layers, *usual_layers(document, whole)))
+        output = compile_scene(document, blobs, whole)
         sha256 = output.scene_sha256
         schedule = schedule_for_scene(blobs, sha256, width, height, samples)
         files = folder / "scene.pb", folder / "schedule.pb", folder / "blobs"
-        of_film = blobs.path(compile_layers(document, blobs, film, names)) if names else None
+        of_film = blobs.path(compile_layers(document, blobs, whole, names)) if names else None
         said = tuple(output.dropped), tuple(output.warnings), output.way
         compiled = CompiledFolder(*files, sha256, *said, of_film)
         compiled.scene.write_bytes(blobs.path(sha256).read_bytes())

@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "luminaires/visible_sky.h"
@@ -118,6 +119,29 @@ class RadianceEstimator {
     return rounded(light.group ? of_group(sample, *light.group) : direct_[sample]);
   }
 
+ protected:
+  /// What a photon finds of light that it meets, with the MIS weight of the technique that met it.
+  /// Empty where it does not count.
+  std::optional<Spectral<N>> found_of(const Group<N>& group, const Spectral<N>& light,
+                                      const LightDirections::SkyPlace& place) const {
+    if (!counts_for(group)) return std::nullopt;
+    if (largest(light) < scene_.options.least_radiance) return std::nullopt;
+    Spectral<N> found = group.weight * light;
+    if (group.mis.technique == MisTechnique::kNone || !(largest(found) > 0.0f)) return found;
+    // Mirrors and glass may have turned it.
+    const bool as_sent = place && group.mis.direction == group.ray.direction;
+    const float towards =
+        scene_.lights.pdf(group.mis.context, {group.mis.direction, group.mis.drawn_pdf},
+                          as_sent ? place : LightDirections::SkyPlace{});
+    const bool by_kernel = group.mis.technique == MisTechnique::kKernel;
+    // Drawn at a rim and rounded off it. The photon from the kernel has the whole weight there.
+    if (!by_kernel && !(towards > 0.0f)) return std::nullopt;
+    const Spectral<N>& kernel = group.mis.kernel_pdf;
+    const Spectral<N> lights(towards);
+    found *= by_kernel ? power_share(kernel, lights) : power_share(lights, kernel) / lights;
+    return found;
+  }
+
  private:
   using Tally = std::array<double, N>;
   using Gathered = TracingOptions::Gathered;
@@ -184,26 +208,13 @@ class RadianceEstimator {
     return of_groups_[tally * light_groups_ + light_group];
   }
 
-  // With the MIS weight of the technique that met it. `each_group(f)`: f(light group, its light).
+  // `each_group(f)`: f(light group, its light).
   template <class EachGroup>
   void add_light(const Group<N>& group, const Spectral<N>& light, const EachGroup& each_group,
                  const LightDirections::SkyPlace& place = {}) {
-    if (!counts_for(group)) return;
-    if (largest(light) < scene_.options.least_radiance) return;
-    Spectral<N> found = group.weight * light;
-    if (group.mis.technique != MisTechnique::kNone && largest(found) > 0.0f) {
-      // Mirrors and glass may have turned it.
-      const bool as_sent = place && group.mis.direction == group.ray.direction;
-      const float towards =
-          scene_.lights.pdf(group.mis.context, {group.mis.direction, group.mis.drawn_pdf},
-                            as_sent ? place : LightDirections::SkyPlace{});
-      const bool by_kernel = group.mis.technique == MisTechnique::kKernel;
-      // Drawn at a rim and rounded off it. The photon from the kernel has the whole weight there.
-      if (!by_kernel && !(towards > 0.0f)) return;
-      const Spectral<N>& kernel = group.mis.kernel_pdf;
-      const Spectral<N> lights(towards);
-      found *= by_kernel ? power_share(kernel, lights) : power_share(lights, kernel) / lights;
-    }
+    const auto counted = found_of(group, light, place);
+    if (!counted) return;
+    const Spectral<N>& found = *counted;
     add(group.tally, found, meets_direct_light(group));
     if (light_groups_ == 0) return;
     each_group([&](std::uint32_t light_group, const Spectral<N>& part) {

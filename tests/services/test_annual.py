@@ -1,0 +1,108 @@
+"""`nocturne annual`: its outputs, and what it refuses."""
+
+import csv
+import json
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import pytest
+from nocturne_client.cli.app import app
+from nocturne_client.errors import NocturneClientError
+from typer.testing import CliRunner
+
+from tests.accuracy.test_daylight_coefficients import room
+from tests.weather import epw
+
+_FEW = ["--patches", "145", "--sun-patches", "145", "--samples", "1024", "--threads", "2", "--seed", "1"]
+
+
+def _scene(folder: Path, **changes: Any) -> Path:
+    document = room(0.5, [])
+    grid = {"corner": [0, 0.8, 4], "right": [4, 0, 0], "up": [0, 0, -4], "columns": 2, "rows": 2}
+    document["sensor"]["instruments"] = [
+        {"name": "plane", "grid": grid},
+        {"name": "roof", "points": [[2, 10, 2]], "normal": [0, 1, 0]},
+    ]
+    document["sensor"]["outdoor"] = "roof"
+    lamp = {"type": "quad", "corner": [1, 2.9, 1], "edge_u": [1, 0, 0], "edge_v": [0, 0, 1]}
+    document["surfaces"].append(
+        {
+            "shape": lamp,
+            "kernel": {"type": "lambertian", "reflectance": 0.5},
+            "luminaire": {"radiance": 1.0, "lumens": 1e5},
+        }
+    )
+    scene = folder / "room.json"
+    scene.write_text(json.dumps(document | changes))
+    (folder / "year.epw").write_text(epw())
+    return scene
+
+
+def _run(*words: str | Path) -> str:
+    result = CliRunner().invoke(app, ["annual", *map(str, words)], catch_exceptions=False)
+    assert result.exit_code == 0, result.output
+    return result.output
+
+
+def test_a_year_of_a_room(tmp_path: Path) -> None:
+    """Four points, at the window and behind; the lamp does not count, nor does the meter on the roof."""
+    scene = _scene(tmp_path)
+    files = {name: tmp_path / name for name in ("year.json", "year.svg", "points.csv", "hours.csv")}
+    outputs: list[str | Path] = [
+        "-o",
+        files["year.json"],
+        "-o",
+        files["year.svg"],
+        "--table",
+        files["points.csv"],
+    ]
+    outputs += ["--hours-table", files["hours.csv"]]
+    said = _run(scene, "--weather", tmp_path / "year.epw", *_FEW, *outputs)
+    assert "Testing, NOW: 3650 hours, 4 points, 95 % intervals" in said
+    found = json.loads(files["year.json"].read_text())
+    points = found["points"]
+    assert [each["place"] for each in points] == [[1, 0.8, 1], [3, 0.8, 1], [1, 0.8, 3], [3, 0.8, 3]]
+    autonomy = [each["DA"] for each in points]
+    assert all(each["low"] <= each["value"] <= each["high"] for each in autonomy)
+    assert min(autonomy[2]["value"], autonomy[3]["value"]) > max(autonomy[0]["value"], autonomy[1]["value"])
+    parts = sum(value["value"] for name, value in found["means"].items() if name.startswith("UDI"))
+    assert parts == pytest.approx(1)
+    assert found["sDA"]["low"] <= found["sDA"]["value"] <= found["sDA"]["high"]
+    assert [each["says"] for each in found["verdicts"]] == ["sDA >= 55%", "sDA >= 75%", "ASE <= 10%"]
+    assert all(0 <= each["probability"] <= 1 for each in found["verdicts"])
+    assert len(list(csv.reader(files["points.csv"].read_text().splitlines()))) == 5
+    hours = list(csv.DictReader(files["hours.csv"].read_text().splitlines()))
+    assert len(hours) == 8760
+    # At midnight there is none, at noon more than in the morning.
+    lux = [float(each["lux"]) for each in hours]
+    assert lux[24 * 171] == 0 < lux[24 * 171 + 6] < lux[24 * 171 + 12]
+    ElementTree.parse(files["year.svg"])  # noqa: S314 - our own
+
+
+@pytest.mark.parametrize(
+    ("changes", "words", "said"),
+    [
+        ({"sensor": {"type": "panorama", "position": [2, 1, 2], "look_at": [2, 1, 3]}}, [], "that of meters"),
+        ({}, ["--patches", "100"], "expected 145, 577 or 2305"),
+        ({}, ["--batches", "33"], "a multiple of 8"),
+        ({}, ["--north", "0,1,0"], "north is straight up"),
+        ({}, ["--north", "up"], "expected three numbers"),
+        ({}, ["-o", "year.pdf"], "expected a name that ends in .json or .svg"),
+        ({}, ["--hours", "23.2", "23.4"], "no hour of the day"),
+    ],
+)
+def test_what_is_no_year_is_refused(
+    tmp_path: Path, changes: dict[str, Any], words: list[str], said: str
+) -> None:
+    scene = _scene(tmp_path, **changes)
+    with pytest.raises(NocturneClientError, match=said):
+        _run(scene, "--weather", tmp_path / "year.epw", *words)
+
+
+def test_errors_of_a_weather_file_say_where(tmp_path: Path) -> None:
+    scene = _scene(tmp_path)
+    weather = tmp_path / "year.epw"
+    weather.write_text(weather.read_text().replace("LOCATION", "PLACE"))
+    with pytest.raises(NocturneClientError, match=r"year\.epw, line 1: expected LOCATION"):
+        _run(scene, "--weather", weather)
