@@ -19,9 +19,9 @@ WEB_SOURCES := $(shell find services/web/src services/web/public -type f 2>/dev/
 CPP_SOURCES := $(shell find worker tests/worker bench -name '*.cpp' -o -name '*.h' 2>/dev/null)
 STAMPS := build/stamps
 PROCESSES := --numprocesses
-NOT_MINUTES := not soak and not references and not peers and not containers and not blender
+NOT_MINUTES := not soak and not references and not peers and not containers and not blender and not roots and not slurm
 
-.PHONY: help packages venv proto web worker programs build dist containers demo stop test check check-types check-page check-form test-cpp test-page test-services-at-work test-accuracy test-crossings test-coordinator test-services test-scene test-others heaviest format unit system screenshots visit soak accuracy fuzz fuzz-readers crossings references peers blender stability preflights profile sanitize bench lock contract docs gallery clean
+.PHONY: help packages venv proto web worker programs build dist roots slurm containers demo stop test check check-types check-page check-form test-cpp test-page test-services-at-work test-accuracy test-crossings test-coordinator test-services test-scene test-others heaviest format unit system screenshots visit soak accuracy fuzz fuzz-readers crossings references peers blender stability preflights profile sanitize bench lock contract docs gallery clean
 
 help:  ## This list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*##/\t/' | expand -t 12
@@ -61,21 +61,29 @@ programs: build/release/build.ninja  ## The C++ programs alone
 
 build: proto web worker  ## Everything
 
-# The scene language, the client, and the service with the contracts and the page inside.
-dist: proto web  ## Python wheels of scene, client and service, and the add-on for Blender, in build/dist
+# The scene language, the client, the service with the contracts and the page inside, and the programs with their libraries.
+dist: proto web programs  ## Wheels of scene, client, service and programs, and the add-on for Blender, in build/dist
 	rm -rf build/dist
+	$(PYTHON) worker/make_wheel.py build/dist
 	$(PYTHON) -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir build/dist ./scene ./services/client ./services/api
 	$(PYTHON) services/blender/make_zip.py build/dist
 	@ls build/dist
+
+roots: dist  ## The wheels in empty Debians without root or network, and by every Python at hand; `mmdebstrap` makes them (minutes)
+	pytest -m roots -s tests/installed
+
+slurm: build  ## Workers as an array of a real Slurm of two nodes on this machine (a minute or two)
+	@deploy/install-debian-packages.sh slurm
+	pytest -m slurm -s tests/slurm
 
 containers: build  ## Images on a real Docker Engine: compose up, all parts killed, the same bits (half an hour at first)
 	pytest -m containers -s tests/containers
 
 demo: proto web programs  ## Start the service, render the Cornell box, show where the image and the page are
-	@deploy/demo.sh
+	@nocturne demo --data data --port $${NOCTURNE_PORT:-7070} --output build/demo
 
 stop:  ## Stop the service that `make demo` started
-	@python3 -c "import json, os, signal; os.kill(json.load(open('data/service.json'))['pid'], signal.SIGTERM)"
+	@nocturne down --data data
 
 # One pool of jobs, the longest first. Python's tests are in parts, each of which collects only its own; those of whole services, of
 # coordinators and of the page wait most of the time, so there are more jobs than processors, and several processes where a part would

@@ -20,7 +20,7 @@ class Together(MetadataHookInterface):
         scripts: dict[str, str] = {}
         for folder in PACKAGES:
             project = tomllib.loads((Path(self.root) / folder / "pyproject.toml").read_text())["project"]
-            wanted |= {each for each in project["dependencies"] if not each.startswith("nocturne-")}
+            wanted |= {each for each in project["dependencies"] if not each.startswith("nocturne")}
             scripts |= project.get("scripts", {})
         metadata["dependencies"] = sorted(wanted)
         metadata["scripts"] = scripts

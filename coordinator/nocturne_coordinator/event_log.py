@@ -82,14 +82,14 @@ class EventLog:
                 self._line("did", summary_of(instruction))
                 try:
                     answer = yield instruction
+                    if isinstance(instruction, ReadTiles) and self._file is not None:
+                        answer = list(answer)
                 except tuple(TROUBLES.values()) as trouble:
                     self._line(
                         "trouble", [type(trouble).__name__, getattr(trouble, "render_id", str(trouble))]
                     )
                     instruction = steps.throw(trouble)
                 else:
-                    if isinstance(instruction, ReadTiles) and self._file is not None:
-                        answer = list(answer)
                     if answer is not None:
                         self._line("answer", answer)
                     instruction = steps.send(answer)

@@ -2,6 +2,7 @@
 
 import logging
 import sqlite3
+from collections.abc import Iterator
 from typing import Any
 
 from nocturne_scene.errors import NotFound
@@ -10,6 +11,7 @@ from nocturne_coordinator.clock import Clock
 from nocturne_coordinator.crash_points import crash_point
 from nocturne_coordinator.dispatch import instructions as do
 from nocturne_coordinator.dispatch.events import CommitDone
+from nocturne_coordinator.dispatch.records import TileRow
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.errors import FolderTrouble
 from nocturne_coordinator.output.previews import Previews
@@ -77,7 +79,7 @@ class Executor:
                 unix = self._clock.moment().unix
                 return ledger.commits.start(instruction.render_id, instruction.fence, unix)
             case do.ReadTiles():
-                return ledger.renders.tiles(instruction.render_id)
+                return self._tiles(instruction.render_id)
             case do.Commit():
                 return self._commit(instruction)
             case do.EndRender():
@@ -109,6 +111,13 @@ class Executor:
                 self._previews.write_image(self._renders[instruction.render_id])
                 return self._clock.moment()
         return None
+
+    def _tiles(self, render_id: str) -> Iterator[TileRow]:
+        """Read one by one, as the core asks for them."""
+        try:
+            yield from self._ledger.renders.tiles(render_id)
+        except (sqlite3.Error, OSError) as trouble:
+            raise FolderTrouble(str(trouble)) from trouble
 
     def _commit(self, instruction: do.Commit) -> CommitDone:
         lost = []

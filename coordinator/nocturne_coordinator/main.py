@@ -28,6 +28,7 @@ from nocturne_coordinator.memory import memory_bytes
 from nocturne_coordinator.output.previews import Previews
 from nocturne_coordinator.queue.guard import Guard
 from nocturne_coordinator.queue.job_queue import JobQueue, Session
+from nocturne_coordinator.signals import on_signals
 from nocturne_coordinator.store.checkpoint import CHECKPOINT_SECONDS, Checkpointer
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.ledger import Ledger
@@ -45,8 +46,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = _parser().parse_args(arguments)
     write_log_lines(options.log_level, "coordinator")
     stop = threading.Event()
-    for number in (signal.SIGTERM, signal.SIGINT):
-        signal.signal(number, lambda *_: stop.set())
+    on_signals({signal.SIGTERM: stop.set, signal.SIGINT: stop.set})
     # Until it works there is nothing to look at.
     signal.signal(signal.SIGHUP, signal.SIG_IGN)
     try:

@@ -113,14 +113,40 @@ def environment(draft: Draft) -> Document:
                 made["rotate_degrees"] = chance.number(-180, 180)
             return made | hidden(draft)
         case _:
-            return _standard_sky(draft) | hidden(draft)
+            sky = _standard_sky(draft) if chance.maybe(0.6) else _weather_sky(draft)
+            return sky | hidden(draft)
 
 
 def _standard_sky(draft: Draft) -> Document:
     chance = draft.chance
-    made: Document = {"cie": chance.whole(1, 16), "sun": _upwards(draft)}
+    made: Document = {"cie": chance.whole(1, 16)} | _sun(draft)
     made |= {"zenith_luminance": 300.0} if chance.maybe(0.5) else {"illuminance": 1000.0}
-    return made | ({"up": [0.1, 1.0, 0.0]} if chance.maybe(0.3) else {})
+    # As `disc`: mirrors and glass gather the light of a small one.
+    if not draft.sharp and chance.maybe(0.3):
+        made["sun_illuminance"] = 500.0
+    return made
+
+
+def _weather_sky(draft: Draft) -> Document:
+    chance = draft.chance
+    made: Document = {"diffuse_horizontal": chance.factor(5.0, 10.0)} | _sun(draft)
+    made["direct_normal"] = 0.0 if chance.maybe(0.2) else chance.factor(5.0, 10.0)
+    if chance.maybe(0.3):
+        made["dew_point"] = chance.number(-10.0, 20.0)
+    if draft.sharp or chance.maybe(0.3):
+        made["without_sun"] = True
+    return made
+
+
+def _sun(draft: Draft) -> Document:
+    chance = draft.chance
+    up: Document = {"up": [0.1, 1.0, 0.0]} if chance.maybe(0.3) else {}
+    if chance.maybe(0.5):
+        return {"sun": _upwards(draft)} | up
+    place: Document = {"latitude": chance.number(-60.0, 60.0), "longitude": 8.0}
+    if chance.maybe(0.5):
+        place |= {"altitude": chance.number(0.0, 3000.0), "north": [1.0, 0.0, chance.number(-1.0, 1.0)]}
+    return {"place": place, "time": f"2026-03-21T{chance.whole(8, 14):02}:00Z"} | up
 
 
 def disc(draft: Draft) -> Document:

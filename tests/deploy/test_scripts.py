@@ -64,8 +64,9 @@ def _slurm(tmp_path: Path, worker: str, mode: int = 0o600, tunnel: str = "") -> 
 
 def test_the_slurm_script_starts_tunnel_and_worker(tmp_path: Path) -> None:
     said, _ = _slurm(tmp_path, 'sleep 0.5; echo "worker $* $NOCTURNE_TOKEN"; exit 5').communicate(timeout=30)
-    assert "tunnel 127.0.0.1:20077 to night.example:6380" in said
-    assert "--redis tcp://127.0.0.1:20077 --assets night.example:7071 --enrol --id slurm-70-7" in said
+    assert f"tunnel {tmp_path}/nocturne-77/redis.sock to night.example:6380" in said
+    assert f"--redis unix://{tmp_path}/nocturne-77/redis.sock --assets night.example:7071" in said
+    assert "--enrol --id slurm-70-7" in said
     assert "--threads 8" in said
     assert "nct_x" in said
 

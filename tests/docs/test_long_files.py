@@ -16,7 +16,7 @@ MAX_LINES, FIRST_LINES = 350, 20
 MAX_FUNCTION = 60
 OPTIONS = {
     ("services/api/nocturne_api/main.py", "_settings"),
-    ("services/client/nocturne_client/cli/local_commands.py", "up"),
+    ("services/client/nocturne_client/cli/up_commands.py", "up"),
     ("services/client/nocturne_client/cli/submit_command.py", "submit"),
 }
 """Functions that are lists of options."""

@@ -51,6 +51,8 @@ def test_commands_of_a_tutorial_run(name: str, tmp_path_factory: pytest.TempPath
         )
         try:
             status = process.wait(_LIMIT_S)
+        except subprocess.TimeoutExpired:
+            pytest.fail(f"not over after {_LIMIT_S:g} s\n{_told(folder)}")
         finally:
             _end(process)
     assert status == 0, _told(folder)
@@ -81,7 +83,7 @@ def _end(process: subprocess.Popen[bytes]) -> None:
 
 
 def _told(folder: Path) -> str:
-    logs = [folder / "output.txt", *folder.glob("*.log")]
+    logs = [folder / "output.txt", *folder.glob("*.log"), *folder.glob("*/logs/*.log")]
     return "\n".join(f"--- {log.name}\n{log.read_text(errors='replace')[-3000:]}" for log in logs)
 
 

@@ -202,6 +202,28 @@ def test_one_machine_alone_is_not_audited_and_the_render_says_so() -> None:
     assert (totals.audited, totals.unaudited) == (0, world.done(render))
 
 
+def test_a_small_render_does_not_wait_for_machines_that_are_at_long_jobs() -> None:
+    """L6: no longer than ten seconds, or than it ran, and says what was not audited."""
+    world = World(settings=ALL)
+    world.start()
+    # Without jobs until it has taken one that it never ends.
+    others = world.worker(delay=1000.0)
+    long = world.create(1)
+    world.run_until(lambda: others.has_job)
+    world.store.change(long, owner="another")
+    author = world.worker()
+    # So that both are known.
+    world.run(5.0)
+    render = world.create(16)
+    begun = world.clock.now
+    world.run_until(lambda: world.done(render) == 2 * 3)
+    author.delay = 1000.0
+    world.run_until(lambda: world.row(render).state is RenderState.SUCCEEDED)
+    assert 10.0 < world.clock.now - begun < 15.0
+    totals = world.row(render).totals
+    assert (totals.audited, totals.unaudited) == (0, world.done(render))
+
+
 def test_a_second_machine_audits_what_the_first_did_alone() -> None:
     """L6."""
     world = World(settings=ALL)

@@ -1,5 +1,6 @@
 """Renders: create, get, list, cancel, images, convergence, workers."""
 
+import asyncio
 from pathlib import Path
 from typing import Any
 
@@ -76,6 +77,57 @@ async def test_preview_with_etag(body: dict[str, Any], rest: httpx.AsyncClient, 
     coordinator_acts.picture(folder, render_id, content[::-1])
     changed = await rest.get(path, headers={"If-None-Match": etag})
     assert (changed.status_code, changed.content) == (200, content[::-1])
+
+
+async def test_people_who_change_one_render_at_once_lose_nothing_of_each_other(
+    body: dict[str, Any], rest: httpx.AsyncClient
+) -> None:
+    """Each call says one thing, so there is no If-Match: of two that say the same thing the last one counts,
+    and the log has both."""
+    render_id = (await rest.post("/v1/renders", json=body)).json()["id"]
+    address = f"/v1/renders/{render_id}"
+    region = {"x": 0, "y": 0, "width": 8, "height": 8}
+    changes = [
+        *((f"{address}:setPriority", {"priority": number}) for number in (5, 6, 7)),
+        *((f"{address}:setTags", {"tags": [tag]}) for tag in ("a", "b")),
+        (f"{address}:lookFirst", region),
+        (f"{address}:extend", {"samples": 99}),
+        (f"{address}:pause", {}),
+    ]
+    answers = await asyncio.gather(*(rest.post(path, json=change) for path, change in changes))
+    assert [answer.status_code for answer in answers] == [200] * len(changes)
+    render = (await rest.get(address)).json()
+    assert render["priority"] in (5, 6, 7)
+    assert render["tags"] in (["a"], ["b"])
+    assert (render["samples"], render["state"]) == (99, "PAUSED")
+    last = max((answer.json() for answer in answers), key=lambda each: each["sequence"])
+    assert last == render
+    log = (await rest.get(f"{address}/log.txt")).text
+    said = ("priority", "tags", "look first", "extend", "pause")
+    assert [log.count(f"  {what}: done") for what in said] == [3, 2, 1, 1, 1]
+
+
+async def test_part_of_a_picture(body: dict[str, Any], rest: httpx.AsyncClient, folder: DataFolder) -> None:
+    """A download that broke off goes on where it was, unless the file is another by now (RFC 9110, 14)."""
+    render_id = (await rest.post("/v1/renders", json=body)).json()["id"]
+    path, content = f"/v1/renders/{render_id}/preview.png", bytes(range(256)) * 3000
+    coordinator_acts.picture(folder, render_id, content)
+    size, head = len(content), await rest.head(path)
+    assert (head.status_code, head.content, int(head.headers["content-length"])) == (200, b"", size)
+    assert head.headers["accept-ranges"] == "bytes"
+    parts = [("bytes=0-9", 0, 10), ("bytes=500000-", 500_000, size), ("bytes=-7", size - 7, size)]
+    for asked, first, end in [*parts, ("bytes=5-9999999", 5, size), ("bytes=-9999999", 0, size)]:
+        part = await rest.get(path, headers={"Range": asked, "If-Range": head.headers["etag"]})
+        assert (part.status_code, part.content) == (206, content[first:end])
+        assert part.headers["content-range"] == f"bytes {first}-{end - 1}/{size}"
+    for asked in ("bytes=0-1,5-6", "bytes=9-5", "bytes=-", "lines=1-2", "bytes=" + "9" * 5000 + "-"):
+        assert (await rest.get(path, headers={"Range": asked})).content == content
+    for asked in (f"bytes={size}-", "bytes=-0"):
+        none = await rest.get(path, headers={"Range": asked})
+        assert (none.status_code, none.headers["content-range"]) == (416, f"bytes */{size}")
+    coordinator_acts.picture(folder, render_id, content[::-1])
+    other = await rest.get(path, headers={"Range": "bytes=9-", "If-Range": head.headers["etag"]})
+    assert (other.status_code, other.content) == (200, content[::-1])
 
 
 async def test_convergence(body: dict[str, Any], rest: httpx.AsyncClient, folder: DataFolder) -> None:

@@ -25,7 +25,8 @@ def build_wheels(folder: Path) -> dict[str, Path]:
     pip = [sys.executable, "-m", "pip", "--disable-pip-version-check"]
     options = ["--quiet", "--no-deps", "--no-build-isolation", "--no-index", "--wheel-dir", str(folder)]
     subprocess.run([*pip, "wheel", *options, *sources], check=True, cwd=folder)
-    return {name: next(folder.glob(f"nocturne_{name}-*.whl")) for name in FOLDERS}
+    found = {"client": "nocturne", "scene": "nocturne_scene", "service": "nocturne_service"}
+    return {name: next(folder.glob(f"{wheel}-*.whl")) for name, wheel in found.items()}
 
 
 class Installed:
@@ -78,7 +79,7 @@ class Installed:
 
     def _link_dependencies(self) -> None:
         (site,) = self.folder.glob("lib/python3.*/site-packages")
-        ours = [Distribution.at(path) for path in site.glob("nocturne_*.dist-info")]
+        ours = [Distribution.at(path) for path in site.glob("nocturne*.dist-info")]
         for found in _closure([each for one in ours for each in _applicable(one, "")]):
             for name in {file.parts[0] for file in found.files or () if file.parts[0] != ".."}:
                 if not (site / name).exists():
@@ -92,7 +93,7 @@ def _closure(wanted: list[Requirement]) -> list[Distribution]:
         requirement = wanted.pop()
         for extra in ("", *requirement.extras):
             key = (requirement.name.lower(), extra)
-            if key in found or requirement.name.startswith("nocturne-"):
+            if key in found or requirement.name.startswith("nocturne"):
                 continue
             found[key] = distribution(requirement.name)
             wanted += _applicable(found[key], extra)

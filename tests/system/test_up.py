@@ -155,7 +155,19 @@ def test_tokens_ctrl_c_and_a_killed_parent(tmp_path: Path, traced_alone: Image) 
     with Up(tmp_path, 0, 1, "--auth", "--owner-open-renders", "1", "--data-bytes", "1e9") as again:
         assert not set(again.children().values()) & set(children.values())
         _bounds_were_passed_on(again, token)
-        assert again.stop() == 0
+        _down_stops_it(again)
+
+
+def _down_stops_it(service: Up) -> None:
+    down = [str(NOCTURNE), "down", "--data", str(service.data)]
+    subprocess.run(down, check=True)
+    wait_for(lambda: not service.program.is_alive(), "the service to end")
+    assert not (service.data / "service.json").exists()
+    # Of a service that was killed there is a number, which may be another process's by now.
+    (service.data / "service.json").write_text(json.dumps({"pid": os.getpid()}))
+    said = subprocess.run(down, check=False, capture_output=True, text=True)
+    assert said.returncode == 2
+    assert f"no service runs on {service.data}" in " ".join(said.stderr.split())
 
 
 def _the_token_shown(service: Up) -> str:

@@ -82,7 +82,7 @@ def test_all_are_of_one_version() -> None:
         project = tomllib.loads((ROOT / folder / "pyproject.toml").read_text())["project"]
         extras = project.get("optional-dependencies", {}).values()
         wanted = [*project["dependencies"], *(each for extra in extras for each in extra)]
-        ours = [each for each in wanted if each.startswith("nocturne-")]
+        ours = [each for each in wanted if each.startswith("nocturne")]
         assert all(each.endswith(f"=={_version()}") for each in ours)
 
 
@@ -142,6 +142,7 @@ def test_the_service_of_the_wheels_serves_the_page(service: Up) -> None:
     "words",
     [
         ("up",),
+        ("demo",),
         ("render", str(CORNELL), "--output", "image.exr"),
         ("import", "scene.xml", "--output", "out"),
         ("export", str(CORNELL), "--to", "pbrt", "--output", "out"),
@@ -157,7 +158,7 @@ def test_what_needs_more_than_the_client_says_so(client: Installed, words: tuple
     assert done.returncode == 1
     assert re.fullmatch(
         r"error: this command needs the package \w+, which is not installed; "
-        r'install it with: pip install "nocturne-client\[(service|pixels)\]"\n',
+        r'install it with: pip install "nocturne\[(all|pixels)\]"\n',
         done.stderr,
     ), done.stderr
 

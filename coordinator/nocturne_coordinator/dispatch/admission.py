@@ -1,23 +1,24 @@
 """Renders that come and go, as the data folder says. Pure."""
 
 from collections import Counter, deque
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from heapq import heapify, heappop, heappush
-from itertools import pairwise
+from itertools import islice
+from typing import NamedTuple
 
 from nocturne.v1 import job_pb2
 from nocturne_scene.ranges import ranges_planned
 
-from nocturne_coordinator import limits
 from nocturne_coordinator.dispatch.commits import Commits
 from nocturne_coordinator.dispatch.events import Moment, RendersSeen
-from nocturne_coordinator.dispatch.film_memory import max_numbers, numbers_of, why_too_large
+from nocturne_coordinator.dispatch.film_memory import why_too_large
 from nocturne_coordinator.dispatch.instructions import (
     ERROR,
     INFO,
     WARNING,
     EndRender,
+    LetGo,
     Log,
     LookAgain,
     Quarantine,
@@ -31,8 +32,10 @@ from nocturne_coordinator.dispatch.instructions import (
     TellWorkers,
     Withdraw,
 )
+from nocturne_coordinator.dispatch.job_cost import longest_of
 from nocturne_coordinator.dispatch.profiles import should_start_anew, usual_profiles
-from nocturne_coordinator.dispatch.records import OpenRender, RenderState
+from nocturne_coordinator.dispatch.records import OpenRender, RenderState, TileRow
+from nocturne_coordinator.dispatch.room import Room, is_at_work, share_of
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.state import State
 from nocturne_coordinator.errors import FolderTrouble, LeaseLost
@@ -42,12 +45,28 @@ _ODD_SECONDS = 10.0
 holds as long, so all that are there have been seen."""
 
 
+_TILES_AT_ONCE = 256
+"""That are read before others get their turn: 20 MB."""
+
+_REPLAN_PAUSE = 2e-4
+"""Seconds between two other schedules of a render, for each of its tiles: thirty times what one takes."""
+
+
+class _Loading(NamedTuple):
+    """A render that is being taken up, and its tiles that are still to be read."""
+
+    render: RunningRender
+    tiles: Iterator[TileRow]
+
+
 class Admission:
     """Takes renders up, and lets them go."""
 
     def __init__(self, state: State, commits: Commits) -> None:
         self._state = state
         self._commits = commits
+        self._room = Room(state.settings.memory_bytes)
+        self._loading: dict[str, _Loading] = {}
 
     def follow(self, event: RendersSeen) -> Steps[None]:
         """Takes renders up and lets them go as the folder says; asks for another look if that has to wait."""
@@ -83,12 +102,17 @@ class Admission:
         for render_id in [each for each in gone if each in state.renders]:
             yield Log(INFO, f"render={render_id} let go")
             yield from self._commits.drop(render_id)
+        for render_id, (render, _) in list(self._loading.items()):
+            if render_id not in rows or rows[render_id].fence != render.row.fence:
+                self._load_no_more(render_id)
         part = -(-len(rows) // event.coordinators)
         yield from self._pass_on(part, at)
         waiting: list[OpenRender] = []
         for row in rows.values():
+            if row.id in self._loading:
+                continue
             if row.id in state.renders:
-                if not row.asks_the_same(state.renders[row.id].row):
+                if not row.asks_the_same(state.renders[row.id].row) and self._may_replan(row, at):
                     yield from self._replan(row)
                 state.scheduler.set_priority(row.id, row.priority)
                 self._look_first(row)
@@ -99,7 +123,7 @@ class Admission:
             elif row.holder in (0, state.settings.number):
                 waiting.append(row)
         yield from self._admit_in_turn(waiting, rows.values(), part, at)
-        state.fleet.share = _share_of(state.renders, rows.values())
+        state.fleet.share = share_of(state.renders, rows.values())
         profiles = {render.id: render.floating_point_profile for render in state.renders.values()}
         wanted = {profiles.get(row.id, row.floating_point_profile) for row in rows.values()}
         for worker, reason in state.fleet.set_profiles(wanted).items():
@@ -154,8 +178,7 @@ class Admission:
                     # The render was extended meanwhile; its new ranges are cut at the next look.
                     yield LookAgain()
                     continue
-                longest = _longest(schedule.range_ends)
-                bundles = _longest(schedule.photon_range_ends)
+                longest, bundles = longest_of(schedule.range_ends), longest_of(schedule.photon_range_ends)
                 photons = f" and {bundles} bundles of forward photons" if bundles else ""
                 line = f"render={render.id} has ranges of at most {longest} samples{photons} from here on"
                 yield Log(INFO, line)
@@ -169,7 +192,7 @@ class Admission:
         state.settled.setdefault(row.id, []).extend(render.replan(row))
         jobs = state.scheduler.replan(row.id, kept, render.range_queues())
         state.failure_policy.forget(row.id)
-        state.audits_end.pop(row.id, None)
+        state.waits_for_audits_since.pop(row.id, None)
         if jobs := [*jobs, *state.auditor.forget(row.id, kept)]:
             yield Withdraw(tuple(jobs), stop=True)
         yield Log(INFO, f"render={row.id} goes on with {ranges_planned(row.schedule)} ranges")
@@ -195,24 +218,25 @@ class Admission:
     ) -> Steps[None]:
         """Resumes renders; then starts those for which there is room, next the owner with fewest at work for
         its weight."""
-        renders = self._state.renders
         queues: dict[str, deque[OpenRender]] = {}
         # Those that ran already hold no one up: their owners had their turn.
         for row in sorted(waiting, key=lambda each: each.state is RenderState.QUEUED):
             queues.setdefault(row.owner, deque()).append(row)
-        at_work = Counter(row.owner for row in rows if row.id in renders or _is_at_work(row))
+        here = {*self._state.renders, *self._loading}
+        at_work = Counter(row.owner for row in rows if row.id in here or is_at_work(row))
 
         def turn(number: int, owner: str) -> tuple[float, int, str]:
             return at_work[owner] / queues[owner][0].owner_weight, number, owner
 
         turns = [turn(number, owner) for number, owner in enumerate(queues)]
         heapify(turns)
-        while turns and len(renders) < part:
+        while turns and len(self._here) < part:
             _, number, owner = heappop(turns)
             row = queues[owner].popleft()
-            if row.state is RenderState.RUNNING or self._has_room(row, newcomer=not at_work[owner]):
+            is_new = not at_work[owner]
+            if row.state is RenderState.RUNNING or self._room.has(row, self._here, newcomer=is_new):
                 yield from self._admit(row, at)
-                at_work[owner] += row.id in renders
+                at_work[owner] += row.id in (*self._state.renders, *self._loading)
             if queues[owner]:
                 heappush(turns, turn(number, owner))
 
@@ -240,12 +264,47 @@ class Admission:
             return
         if row.state is RenderState.QUEUED and not (yield StartRender(row.id, row.fence)):
             return
+        tiles = yield ReadTiles(row.id)
+        render = RunningRender(row, (), at.now, self._state.settings.job_seconds)
+        self._loading[row.id] = _Loading(render, iter(tiles))
+        yield from self._load(row.id)
+
+    def load(self) -> Steps[None]:
+        """Reads some more of the renders that are being taken up: of a large film there are gigabytes, and
+        nobody waits for all of them."""
+        for render_id in list(self._loading):
+            try:
+                yield from self._load(render_id)
+            except LeaseLost as lost:
+                yield from self._commits.lose(lost.render_id)
+            except FolderTrouble as trouble:
+                yield from self._commits.report(trouble)
+
+    def _load(self, render_id: str) -> Steps[None]:
+        render, tiles = self._loading[render_id]
         try:
-            render = RunningRender(row, (yield ReadTiles(row.id)), at.now, self._state.settings.job_seconds)
+            if render.load(islice(tiles, _TILES_AT_ONCE)) == _TILES_AT_ONCE:
+                return
+            render.loaded()
         except ValueError as error:
+            del self._loading[render_id]
             reason = f"Its committed samples can't be read: {error}"
-            yield from self.end(row, RenderState.FAILED, reason)
+            yield from self.end(render.row, RenderState.FAILED, reason)
             return
+        except FolderTrouble:
+            self._load_no_more(render_id)
+            yield LookAgain()
+            raise
+        del self._loading[render_id]
+        yield from self._begin(render)
+
+    def _load_no_more(self, render_id: str) -> None:
+        render, _ = self._loading.pop(render_id)
+        self._state.owed.append(LetGo(render_id, render.row.fence))
+
+    def _begin(self, render: RunningRender) -> Steps[None]:
+        """All that was committed of it is here."""
+        row = render.row
         self._state.renders[row.id] = render
         self._state.scheduler.add(
             row.id,
@@ -272,42 +331,20 @@ class Admission:
             tiles |= {planned.photon_index}
         self._state.scheduler.set_first(row.id, tiles)
 
-    def _has_room(self, row: OpenRender, newcomer: bool) -> bool:
-        """Whether there is room for one more; `newcomer`: its owner has none at work."""
-        renders = self._state.renders
-        if len(renders) >= limits.MAX_RUNNING + (limits.MAX_NEWCOMERS if newcomer else 0):
+    @property
+    def _here(self) -> list[RunningRender]:
+        """Renders at work, and those that are being taken up."""
+        return [*self._state.renders.values(), *(each.render for each in self._loading.values())]
+
+    def _may_replan(self, row: OpenRender, at: Moment) -> bool:
+        """Whether a render may get another schedule now: of a large film that holds up all others, so it gets
+        one now and then."""
+        render = self._state.renders[row.id]
+        if at.now < render.next_replan and not render.film.complete:
             return False
-        wanted, most = numbers_of(row.schedule), max_numbers(self._state.settings.memory_bytes)
-        if wanted > most:
-            # One at a time, which takes nothing of the others' room.
-            return all(numbers_of(render.row.schedule) <= most for render in renders.values())
-        held: Counter[str] = Counter()
-        for render in renders.values():
-            if (numbers := numbers_of(render.row.schedule)) <= most:
-                held[render.row.owner] += numbers
-        free_for_owner = 2 * most - (held.total() - held[row.owner])
-        return held[row.owner] + wanted <= free_for_owner / 2
-
-
-def _longest(ends: Iterable[int]) -> int:
-    """Of some ranges; 0: there are none."""
-    return max((end - first for first, end in pairwise([0, *ends])), default=0)
+        render.next_replan = at.now + len(render.film.queues) * _REPLAN_PAUSE
+        return True
 
 
 def _is_lost(render: RunningRender, rows: Mapping[str, OpenRender]) -> bool:
     return render.id in rows and rows[render.id].fence != render.row.fence
-
-
-def _is_at_work(row: OpenRender) -> bool:
-    return row.state is RenderState.RUNNING and row.holder != 0
-
-
-def _share_of(ours: Mapping[str, RunningRender], rows: Iterable[OpenRender]) -> float:
-    """What our renders should get of the workers: owners by their weight, an owner's renders by priority."""
-    working = [row for row in rows if row.holder or row.id in ours]
-    priorities: Counter[str] = Counter()
-    for row in working:
-        priorities[row.owner] += row.priority
-    parts = {row.id: row.owner_weight * row.priority / priorities[row.owner] for row in working}
-    whole = sum(parts.values())
-    return sum(part for render_id, part in parts.items() if render_id in ours) / whole if whole else 1.0

@@ -132,7 +132,7 @@ class Commits:
         state = self._state
         jobs = [*state.scheduler.remove(render_id), *state.auditor.forget(render_id)]
         state.failure_policy.forget(render_id)
-        state.audits_end.pop(render_id, None)
+        state.waits_for_audits_since.pop(render_id, None)
         state.odd_since.pop(render_id, None)
         render = state.renders.pop(render_id)
         if not jobs_stay:

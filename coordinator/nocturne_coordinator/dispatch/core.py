@@ -88,6 +88,7 @@ class Core:
     def _tick(self, at: Moment) -> Steps[None]:
         while self.state.lost:
             yield from self._follow(self.results.lost_worker(*self.state.lost.pop(), at.now))
+        yield from self._admission.load()
         yield from self._admission.start_odd_ones_anew(at)
         yield from self._admission.cut_long_ranges()
         yield from self._endings.finish(at)

@@ -62,17 +62,20 @@ class Endings:
 
     def _audits_are_done(self, render: RunningRender, now: float) -> bool:
         """Whether no audit of the render is open, or none that others than the audited worker could
-        settle."""
+        settle. Where all others are at long jobs it waits no longer than it ran, but for what is disputed.
+        """
         state = self._state
         if not state.auditor.pending(render.id):
             return True
         live = state.fleet.live(render.floating_point_profile)
         if state.auditor.only_others_could(render.id, live):
             return True
-        witnesses = 3 if state.auditor.disputed(render.id) else 2
-        if len(live) < witnesses:
-            return now >= state.audits_end.setdefault(render.id, now + _LONELY_SECONDS)
-        return now >= state.audits_end.setdefault(render.id, now + MAX_WAIT)
+        waited = now - state.waits_for_audits_since.setdefault(render.id, now)
+        disputed = state.auditor.disputed(render.id)
+        if len(live) < (3 if disputed else 2):
+            return waited >= _LONELY_SECONDS
+        ran = render.ran_seconds(now) - waited
+        return waited >= (MAX_WAIT if disputed else min(MAX_WAIT, max(_LONELY_SECONDS, ran)))
 
     def _end_failed(self) -> Steps[None]:
         failed = self._state.failed

@@ -26,15 +26,19 @@ class MergedFilm:
         grid, schedule = render.grid, render.schedule
         self._own = self._shown = FilmSums.zeros(grid, render.further)
         self.counts: Counts = np.zeros((schedule.height, schedule.width), dtype=np.uint32)
-        self._tile_counts = [self.counts[self._own.area(index)] for index in range(grid.count)]
+        tiles, areas = self._own.tiles()
+        self._tile_counts = [self.counts[area] for area in areas]
+        self._shown_samples = 0
+        """Pixels times samples of all tiles, as they are shown."""
         self._pixels = [counts.size for counts in self._tile_counts]
-        self.queues = [Accumulator(self._own.tile(index)) for index in range(grid.count)]
+        self.queues = [Accumulator(tile) for tile in tiles]
         self.forward: ForwardPhotons | None = None
         if render.photon_ranges:
             self.forward = ForwardPhotons(render)
             self.queues.append(self.forward.merged)
             self._pixels.append(PHOTON_BUNDLE)
             self._shown = FilmSums.zeros(grid, render.further)
+        self._pixels_of = np.array(self._pixels, dtype=np.float64)
         self._stale: set[int] = set()
         """Tiles of which other sums are shown than there are by now."""
         self._before = [RangeEnd()] * len(self.queues)
@@ -45,15 +49,16 @@ class MergedFilm:
         self._render, self._stop = render, stop
         if self.forward is not None:
             self.forward.replan(render)
-        self._last = [len(render.ranges_of(index)) for index in range(len(self.queues))]
+        count = render.grid.count
+        self._last = [len(render.ranges)] * count + [len(render.photon_ranges)] * (len(self.queues) - count)
         if self._stop.tile_samples:
             self._last = [
                 render.ranges_of(index).merged_at(end) if end else 0
                 for index, end in enumerate(self._stop.tile_samples)
             ]
-        self._expected = [
-            float(render.ranges_of(index).end_of(last)) for index, last in enumerate(self._last)
-        ]
+        of_photons = [render.photon_ranges.end_of(last) for last in self._last[count:]]
+        of_tiles = [render.ranges.end_of(last) for last in self._last[:count]]
+        self._expected = np.array(of_tiles + of_photons, dtype=np.float64)
         for queue, last in zip(self.queues, self._last, strict=True):
             queue.closed = last == 0
         self._unfinished = sum(not queue.closed for queue in self.queues)
@@ -135,13 +140,12 @@ class MergedFilm:
     @property
     def mean_samples(self) -> float:
         """Of a pixel."""
-        shown = (counts.size * self.samples_shown(index) for index, counts in enumerate(self._tile_counts))
-        return sum(shown) / self._render.pixels
+        return self._shown_samples / self._render.pixels
 
     @property
     def expected_samples(self) -> float:
         """`traced_samples` when all tiles will be done, as far as is known now."""
-        return float(np.dot(self._expected, self._pixels))
+        return float(self._expected @ self._pixels_of)
 
     def horizon(self, index: int) -> int:
         """How many ranges are expected to be needed in all; at least one more than there are."""
@@ -272,14 +276,22 @@ class MergedFilm:
         tiles = range(self._render.grid.count)
         self._stale.update(tiles)
         for index in tiles:
-            self._tile_counts[index].fill(self.samples_shown(index))
+            self._count(index)
+
+    def _count(self, tile_index: int) -> None:
+        """Notes the samples that a tile shows now."""
+        counts, samples = self._tile_counts[tile_index], self.samples_shown(tile_index)
+        more = samples - int(counts[0, 0])
+        if more:
+            self._shown_samples += counts.size * more
+            counts.fill(samples)
 
     def _advance(self, index: int, was_open: bool) -> None:
         if index == self._render.photon_index:
             self._show_photons()
         else:
             self._stale.update([index] if self.forward else ())
-            self._tile_counts[index].fill(self.samples_shown(index))
+            self._count(index)
         if self.queues[index].closed:
             self._expected[index] = float(self.samples(index))
             self._unfinished -= was_open

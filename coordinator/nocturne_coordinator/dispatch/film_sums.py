@@ -41,6 +41,27 @@ class FilmSums:
             self.whole.tile_products[index : index + 1],
         )
 
+    def tiles(self) -> tuple[list[TileSums], list[tuple[slice, slice]]]:
+        """Views of all, and the pixels of each. Of a large film there are 65,536, and nothing else is done
+        meanwhile: no message is made of any."""
+        size, pixels, blocks = self.grid.tile_size, self.whole.pixels, self.whole.block_products
+        products = self.whole.tile_products
+
+        def steps(edge: int) -> list[tuple[slice, slice]]:
+            ends = [(first, min(first + size, edge)) for first in range(0, edge, size)]
+            return [(slice(*each), slice(each[0] // BLOCK, blocks_in(each[1]))) for each in ends]
+
+        columns = steps(self.grid.width)
+        views: list[TileSums] = []
+        areas: list[tuple[slice, slice]] = []
+        for y, block_rows in steps(self.grid.height):
+            row, row_blocks = pixels[y], blocks[block_rows]
+            for x, block_columns in columns:
+                index = len(views)
+                views.append(TileSums(row[:, x], row_blocks[:, block_columns], products[index : index + 1]))
+                areas.append((y, x))
+        return views, areas
+
     def area(self, index: int) -> tuple[slice, slice]:
         """A tile's pixels."""
         tile = self.grid.tile(index)

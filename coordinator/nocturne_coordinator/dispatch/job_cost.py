@@ -4,6 +4,9 @@ docs/decisions/0046: a scene must not hold a worker for long, and only a range t
 the next one will take.
 """
 
+from collections.abc import Iterable
+from itertools import pairwise
+
 from nocturne_scene.ranges import FIRST_RANGE
 
 JOB_SECONDS = 60.0
@@ -40,3 +43,8 @@ def longest_range(cpu_seconds: float, samples: int, job_seconds: float) -> int |
     while 2 * longest < samples and cpu_seconds / samples * 2 * longest <= _CUT_TO * job_seconds:
         longest *= 2
     return longest
+
+
+def longest_of(ends: Iterable[int]) -> int:
+    """The longest of ranges that end there; 0: there are none."""
+    return max((end - first for first, end in pairwise([0, *ends])), default=0)

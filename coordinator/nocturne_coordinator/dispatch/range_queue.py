@@ -4,7 +4,7 @@ order in which planned ones are published. Pure."""
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from enum import IntEnum
-from heapq import heappop, heappush
+from heapq import heapify, heappop, heappush
 
 from nocturne_coordinator.limits import RANGES_AHEAD
 
@@ -137,8 +137,10 @@ class RenderQueues:
         """Rebuilds the heap, with these queues before the others."""
         self.first, self.ready = first, []
         for number, queue in enumerate(self.queues):
-            queue.following = -1
-            self._follow(number)
+            queue.following = queue.next()
+            if queue.following >= 0:
+                self.ready.append(self._entry(number, queue.following))
+        heapify(self.ready)
 
     def expect(self, number: int, ranges: int) -> None:
         """How many ranges of a queue are expected to be needed."""
@@ -184,6 +186,9 @@ class RenderQueues:
             return
         queue.following = index
         if index >= 0:
-            # Every tile's first range goes before all others: there is always a whole frame.
-            may_wait = bool(self.first) and index > 0 and number not in self.first
-            heappush(self.ready, (may_wait, *queue.turn(index), number, index))
+            heappush(self.ready, self._entry(number, index))
+
+    def _entry(self, number: int, index: int) -> tuple[bool, int, bool, int, int]:
+        # Every tile's first range goes before all others: there is always a whole frame.
+        may_wait = bool(self.first) and index > 0 and number not in self.first
+        return may_wait, *self.queues[number].turn(index), number, index

@@ -71,6 +71,7 @@ class RunningRender:
         self._before = self._now = RangeEnd()
         self._judged_photons = 0
         self.next_preview = 0.0
+        self.next_replan = 0.0
         self.next_figures = 0.0
         self.pictured_photons = 0
         self._dirty: set[int] = set()
@@ -84,7 +85,8 @@ class RunningRender:
         self._contributors: dict[int, set[str]] = {}
         self._since = now
         self._invalid_samples = [0] * len(self.film.queues)
-        self._load(tiles)
+        self.load(tiles)
+        self.loaded()
         self._job_seconds = job_seconds
         self._longest: dict[bool, int] = {}
         """Samples to which ranges of tiles are to be cut, and bundles to which those of forward photons."""
@@ -95,11 +97,19 @@ class RunningRender:
         # The first one sooner: somebody may be waiting to see that it is the right scene.
         self._next_photon_commit = now + photon_commit_seconds(self.planned.pixels) / 4
 
-    def _load(self, tiles: Iterable[TileRow]) -> None:
+    def load(self, tiles: Iterable[TileRow]) -> int:
+        """Puts back committed tiles; `loaded` must follow after the last. ValueError if they do not fit the
+        schedule; gives how many there were."""
+        count = 0
         for tile in tiles:
             own = tile.own or tile.sums
             self.film.load(tile.tile_index, tile.samples, own, tile.error_before, tile.photons)
             self._invalid_samples[tile.tile_index] = tile.invalid_samples
+            count += 1
+        return count
+
+    def loaded(self) -> None:
+        """All that was committed is here."""
         self.film.loaded()
         for tile_index in self.failed_tiles:
             self.film.give_up(tile_index)
@@ -118,6 +128,10 @@ class RunningRender:
     def can_replan(self, row: OpenRender) -> bool:
         """Whether all that is merged is of ranges that the row's schedule has, too."""
         kept = self.planned.kept_in(row.schedule)
+        now = self.planned.schedule
+        if kept[0] >= len(now.range_ends) and kept[-1] >= len(now.photon_range_ends):
+            # Nothing was taken away: no need to look at each of many tiles.
+            return True
         return all(queue.merged <= most for queue, most in zip(self.film.queues, kept, strict=True))
 
     def replan(self, row: OpenRender) -> list[bytes]:
@@ -146,11 +160,18 @@ class RunningRender:
     def range_queues(self) -> list[RangeQueue]:
         """Of tiles, and of forward photons, when all that is merged is committed."""
         found = []
+        # Of a large film there are 65,536 tiles, and others wait meanwhile.
+        ranges, photon_index = len(self.planned.ranges), self.planned.photon_index
         for index, queue in enumerate(self.film.queues):
-            closed = RangeState.FAILED if index in self.failed_tiles else RangeState.UNNEEDED
-            states = bytearray([closed if queue.closed else 0]) * len(self.planned.ranges_of(index))
-            states[: queue.merged] = bytes([RangeState.COMMITTED]) * queue.merged
-            turns = self.planned.turns_of(index)
+            if index == photon_index:
+                ranges = len(self.planned.photon_ranges)
+            states = bytearray(ranges)
+            if queue.closed:
+                closed = RangeState.FAILED if index in self.failed_tiles else RangeState.UNNEEDED
+                states[:] = bytes([closed]) * ranges
+            if queue.merged:
+                states[: queue.merged] = bytes([RangeState.COMMITTED]) * queue.merged
+            turns = self.planned.turns_of(index) if index == photon_index else None
             found.append(RangeQueue(states, self.film.horizon(index), queue.ahead, turns))
         return found
 

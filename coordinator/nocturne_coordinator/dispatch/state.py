@@ -48,8 +48,8 @@ class State:
     lost: list[tuple[JobKey, str]] = field(default_factory=list)
     """Jobs with the workers that died having them. They are judged at the next tick: their results may be
     among those that are read before it."""
-    audits_end: dict[str, float] = field(default_factory=dict)
-    """When renders end that wait for audits, whatever becomes of these."""
+    waits_for_audits_since: dict[str, float] = field(default_factory=dict)
+    """Since when renders wait for nothing else."""
     needs_audits_only: set[str] = field(default_factory=set)
     """Renders that end as soon as their audits, layers and pictures are done: they get no other jobs."""
     odd_since: dict[str, float] = field(default_factory=dict)

@@ -60,6 +60,8 @@ def _check_counts(render: RunningRender) -> None:
         int(film.counts.sum(dtype=np.uint64)) == samples,
         f"{render.id}: counts are not those of the tiles",
     )
+    shown = round(film.mean_samples * render.planned.pixels)
+    _require(shown == samples, f"{render.id}: shown samples are not those of the tiles")
     _require(render.totals.photons == photons, f"{render.id}: photons are not those of the samples")
     ranges = sum(queue.merged for queue in film.queues)
     _require(render.totals.ranges == ranges, f"{render.id}: ranges are not those of the tiles")

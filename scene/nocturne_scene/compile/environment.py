@@ -11,8 +11,12 @@ from nocturne_scene.blobs import NoteKey
 from nocturne_scene.compile import spectra
 from nocturne_scene.compile.sensors import unit, vector
 from nocturne_scene.compile.workspace import Unusable, Workspace
-from nocturne_scene.document.luminaires import EnvironmentMap, StandardSky
+from nocturne_scene.daylight import perez
+from nocturne_scene.document.luminaires import EnvironmentMap
+from nocturne_scene.document.skies import StandardSky, WeatherSky
 from nocturne_scene.spectra import rgb as rgb_spectra
+from nocturne_scene.spectra import solar, sun
+from nocturne_scene.spectra.published import Floats, visible_wavelengths
 from nocturne_scene.textures import environment_maps, pictures, standard_skies
 
 _SKY_ROWS, _SKY_COLUMNS = 1024, 256
@@ -23,15 +27,12 @@ _CONVERSION = 2
 """Number of how pictures become texels; raised with every change of that, since texels are kept."""
 
 
-def compile_sky(workspace: Workspace, sky: StandardSky) -> scene_pb2.EnvironmentMap:
-    """Return a standard sky as a map, with z up and the Sun at azimuth 0."""
+def compile_sky(workspace: Workspace, sky: StandardSky | WeatherSky) -> scene_pb2.EnvironmentMap:
+    """Return a sky by formulas as a map, with z up and the Sun at azimuth 0."""
     z = unit(np.array(sky.up))
-    sun = unit(np.array(sky.sun)) if sky.sun is not None else z
-    luminances = standard_skies.texels(sky.cie, float(sun @ z), _SKY_ROWS, _SKY_COLUMNS)
-    if sky.zenith_luminance is not None:
-        luminances = luminances * sky.zenith_luminance
-    else:
-        luminances = luminances * ((sky.illuminance or 0.0) / standard_skies.illuminance(luminances))
+    towards = sky.towards_sun()
+    sun = unit(np.array(towards)) if towards is not None else z
+    luminances = _luminances(sky, float(sun @ z))
     # Of one colour, so of one shape: that of white, times a scale.
     scale, coefficients = rgb_spectra.emission(np.ones(3))
     texels = np.empty((_SKY_ROWS, _SKY_COLUMNS, 4))
@@ -49,6 +50,62 @@ def compile_sky(workspace: Workspace, sky: StandardSky) -> scene_pb2.Environment
         x=vector(x),
         y=vector(np.cross(z, x)),
         z=vector(z),
+    )
+
+
+def _luminances(sky: StandardSky | WeatherSky, cos_sun: float) -> Floats:
+    """Of the map's texels, cd/m2."""
+    if isinstance(sky, StandardSky):
+        found = standard_skies.texels(sky.cie, cos_sun, _SKY_ROWS, _SKY_COLUMNS)
+        if sky.zenith_luminance is not None:
+            return found * sky.zenith_luminance
+        wanted = sky.illuminance or 0.0
+    else:
+        perez_sky = sky_of_weather(sky)
+        found = standard_skies.mean_texels(
+            lambda cos_zenith, cos_from_sun: perez.relative_luminance(
+                perez_sky.parameters[0], cos_zenith, cos_from_sun
+            ),
+            cos_sun,
+            _SKY_ROWS,
+            _SKY_COLUMNS,
+        )
+        wanted = float(perez_sky.diffuse_illuminance[0])
+    return found * (wanted / standard_skies.illuminance(found))
+
+
+def sky_of_weather(sky: WeatherSky) -> perez.Sky:
+    """Its illuminances and parameters, one of each."""
+    return perez.sky_of(
+        perez.Weather(
+            direct_normal=np.array([sky.direct_normal]),
+            diffuse_horizontal=np.array([sky.diffuse_horizontal]),
+            sun_zenith=np.array([sky.sun_zenith()]),
+            distance=np.array([sky.sun_distance()]),
+            dew_point=np.array([sky.dew_point]),
+        )
+    )
+
+
+def sun_of_sky(workspace: Workspace, sky: StandardSky | WeatherSky) -> scene_pb2.DistantDisc | None:
+    """Return the Sun's disc that a sky comes with; None: it has none."""
+    if isinstance(sky, StandardSky):
+        wanted = sky.sun_illuminance
+    else:
+        wanted = 0.0 if sky.without_sun else float(sky_of_weather(sky).direct_illuminance[0])
+    towards = sky.towards_sun()
+    if not wanted > 0.0 or towards is None:
+        return None
+    within = workspace.spectral
+    shape = np.interp(within.grid(), *solar.table("direct"), left=0.0, right=0.0)
+    lumens = float(np.interp(visible_wavelengths(), *solar.table("direct")) @ spectra.response()[:, 1])
+    distance = sky.sun_distance()
+    half_angle = math.asin(math.sin(sun.half_angle()) / distance)
+    radiance = shape * wanted / (lumens * math.pi * math.sin(half_angle) ** 2)
+    return scene_pb2.DistantDisc(
+        direction=vector(unit(np.array(towards))),
+        half_angle=half_angle,
+        radiance=workspace.spectra.index_of(spectra.at_grid(radiance, within)),
     )
 
 

@@ -7,25 +7,25 @@ import numpy as np
 from nocturne.v1 import scene_pb2
 
 from nocturne_scene.compile import spectra
-from nocturne_scene.compile.environment import compile_map, compile_sky
+from nocturne_scene.compile.environment import compile_map, compile_sky, sun_of_sky
 from nocturne_scene.compile.photometry import compile_profile, flux_behind, spectrum_of
 from nocturne_scene.compile.placement import placement_of
 from nocturne_scene.compile.sensors import unit, vector
 from nocturne_scene.compile.shapes import Shapes, put_shape
 from nocturne_scene.compile.textures import Textures
 from nocturne_scene.compile.workspace import Unusable, Workspace
+from nocturne_scene.document.light_fields import HiddenFrom
 from nocturne_scene.document.luminaires import (
     ConstantEnvironment,
     CosineProfile,
     DistantDisc,
-    HiddenFrom,
     Luminaire,
     PhotometricProfile,
-    StandardSky,
 )
 from nocturne_scene.document.problems import path
 from nocturne_scene.document.sensors import CAMERAS
 from nocturne_scene.document.shapes import Sphere
+from nocturne_scene.document.skies import StandardSky, WeatherSky
 from nocturne_scene.document.spectrum_checks import Reference
 from nocturne_scene.document.surfaces import Surface
 from nocturne_scene.document.textures import ColourTexture
@@ -171,7 +171,7 @@ class Lights:
         with self._workspace.problems_at("$.environment"):
             hidden = self._hidden_from(environment.hidden_from)
             light_group = self._workspace.light_groups.number(environment.light_group)
-            if isinstance(environment, StandardSky):
+            if isinstance(environment, StandardSky | WeatherSky):
                 sky = compile_sky(self._workspace, environment)
                 return scene_pb2.Environment(map=sky, hidden_from=hidden, light_group=light_group)
             if not isinstance(environment, ConstantEnvironment):
@@ -197,6 +197,14 @@ class Lights:
                     self._workspace.dropped.append(f"{place}: emits no {self._workspace.light}")
                 else:
                     found.append(message)
+        sky = self._workspace.document.environment
+        if isinstance(sky, StandardSky | WeatherSky):
+            with self._workspace.problems_at("$.environment"):
+                disc_of_sky = sun_of_sky(self._workspace, sky)
+                if disc_of_sky is not None:
+                    disc_of_sky.hidden_from = self._hidden_from(sky.hidden_from)
+                    disc_of_sky.light_group = self._workspace.light_groups.number(sky.light_group)
+                    found.append(disc_of_sky)
         return found
 
     def important_shapes(self) -> list[scene_pb2.ImportantShape]:

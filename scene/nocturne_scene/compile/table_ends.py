@@ -7,10 +7,11 @@ from pydantic import BaseModel
 from nocturne_scene.compile.workspace import Workspace
 from nocturne_scene.document.indices import TableExtinction, TableIndex
 from nocturne_scene.document.kernels import Measured
-from nocturne_scene.document.luminaires import DistantDisc, EnvironmentMap, StandardSky
+from nocturne_scene.document.luminaires import DistantDisc, EnvironmentMap
 from nocturne_scene.document.media import Medium, TabulatedPhase
 from nocturne_scene.document.node import NAMED
 from nocturne_scene.document.problems import path
+from nocturne_scene.document.skies import StandardSky, WeatherSky
 from nocturne_scene.document.spectra import (
     ChartSpectrum,
     IlluminantSpectrum,
@@ -91,8 +92,8 @@ def _known(steps: _Steps, value: object) -> Iterator[tuple[_Ends, str, str]]:
             yield (solar.FIRST, solar.LAST), "sunlight by ASTM G173", _DARK
         case DistantDisc(sun=True):
             yield (solar.FIRST, solar.LAST), "the Sun by ASTM G173", _DARK
-        case EnvironmentMap() | StandardSky():
-            yield usual, "the light of a picture or a standard sky", _DARK
+        case EnvironmentMap() | StandardSky() | WeatherSky():
+            yield usual, "the light of a picture or of a sky by formulas", _DARK
         case TableIndex() | TableExtinction():
             yield (value.table[0][0], value.table[-1][0]), "its table", _HELD
         case TabulatedPhase():

@@ -2,24 +2,17 @@
 
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, Field, StringConstraints, model_validator
+from pydantic import Field, model_validator
 
 from nocturne_scene.document import bounds
 from nocturne_scene.document.fields import AssetReference, Degrees, Finite, NotNegative, Switch, Vector
+from nocturne_scene.document.light_fields import HiddenFrom, LightGroup, check_axes
 from nocturne_scene.document.node import ByKey, Node, problem_at
 from nocturne_scene.document.placement import Placement
-from nocturne_scene.document.shapes import ShapeDefinition, length, parallel, refuse_without_size
+from nocturne_scene.document.shapes import ShapeDefinition, length, refuse_without_size
+from nocturne_scene.document.skies import StandardSky, WeatherSky
 from nocturne_scene.document.spectra import SpectrumReference
 from nocturne_scene.document.textures import ColourReference, ColourTexture
-from nocturne_scene.responses import LIGHT_GROUP_PATTERN, REST, TAKEN_LAYERS
-from nocturne_scene.textures import standard_skies
-
-
-def _is_free_name(name: str) -> str:
-    if name in TAKEN_LAYERS:
-        means = "what lights without a group bring" if name == REST else "other channels of an image"
-        raise problem_at("", f"{name!r} can't be a light group's name: it means {means}")
-    return name
 
 
 class CosineProfile(Node):
@@ -59,44 +52,8 @@ class PhotometricProfile(Node):
         return self
 
 
-def check_axes(
-    first: tuple[float, float, float], second: tuple[float, float, float], first_at: str, second_at: str
-) -> None:
-    """Raise an error unless two directions span a plane."""
-    for place, direction in ((first_at, first), (second_at, second)):
-        if length(direction) < bounds.MIN_LENGTH:
-            raise problem_at(place, f"{place.removeprefix('.')} has no length")
-    if parallel(first, second):
-        raise problem_at(
-            second_at, f"{second_at.removeprefix('.')} is parallel to {first_at.removeprefix('.')}"
-        )
-
-
 Profile = Annotated[
     CosineProfile | PhotometricProfile, ByKey({"cosine_power": CosineProfile, "asset": PhotometricProfile})
-]
-
-
-HiddenFrom = Annotated[
-    Literal["camera", "camera_and_mirrors"] | None,
-    Field(
-        description="`camera`: it sees past the light and its surface, and mirrors show it; "
-        "`camera_and_mirrors`: mirrors and clear glass don't show it either, as if it had no size. "
-        "Everything else is lit all the same; meters see every light. Default: nobody."
-    ),
-]
-
-
-LightGroup = Annotated[
-    str,
-    StringConstraints(strict=True, pattern=LIGHT_GROUP_PATTERN),
-    AfterValidator(_is_free_name),
-    Field(
-        default="",
-        description="Lights of one name are told apart from all others: further channels `NAME.X`, `NAME.Y` "
-        "and `NAME.Z` are what they bring, `rest` what lights without a name bring, and `nocturne mix` dims "
-        "them afterwards. Default: no name.",
-    ),
 ]
 
 
@@ -222,51 +179,16 @@ class EnvironmentMap(Node):
         return self
 
 
-class StandardSky(Node):
-    """A CIE standard general sky (CIE S 011:2003), in the light of D65, without the Sun's disc, over a dark
-    ground.
-
-    1 is the overcast sky with a steep gradation, 5 a sky of uniform luminance, 12 the clear sky of low
-    turbidity; 16 is the older overcast sky. Give one of `zenith_luminance` and `illuminance`. The Sun is a
-    disc in `distant`.
-    """
-
-    cie: Annotated[int, Field(strict=True, ge=1, le=standard_skies.OVERCAST)] = Field(
-        description="Type of the sky, 1 to 16."
-    )
-    sun: Vector | None = Field(
-        default=None, description="Towards the Sun, above the horizon. Not needed for types 1, 3, 5 and 16."
-    )
-    zenith_luminance: Annotated[Finite, Field(gt=0, le=bounds.LUMINANCE)] | None = Field(
-        default=None, description="Luminance of the zenith, cd/m²."
-    )
-    illuminance: Annotated[Finite, Field(gt=0, le=bounds.LUMINANCE)] | None = Field(
-        default=None, description="Illuminance of level ground by the whole sky without the Sun, lx."
-    )
-    up: Vector = Field(default=(0.0, 1.0, 0.0), description="Direction of the zenith.")
-    hidden_from: HiddenFrom = None
-    light_group: LightGroup = ""
-
-    @model_validator(mode="after")
-    def _complete(self) -> Self:
-        if (self.zenith_luminance is None) == (self.illuminance is None):
-            raise problem_at("", "expected one of zenith_luminance and illuminance")
-        if length(self.up) < bounds.MIN_LENGTH:
-            raise problem_at(".up", "up has no length")
-        if self.sun is None:
-            if standard_skies.needs_sun(self.cie):
-                raise problem_at(".sun", f"missing; sky {self.cie} is brighter near the Sun")
-            return self
-        if length(self.sun) < bounds.MIN_LENGTH:
-            raise problem_at(".sun", "sun has no length")
-        if sum(one * other for one, other in zip(self.sun, self.up, strict=True)) <= 0:
-            raise problem_at(".sun", "is below the horizon; these skies are those of the day")
-        return self
-
-
 EnvironmentDefinition = Annotated[
-    ConstantEnvironment | EnvironmentMap | StandardSky,
-    ByKey({"asset": EnvironmentMap, "radiance": ConstantEnvironment, "cie": StandardSky}),
+    ConstantEnvironment | EnvironmentMap | StandardSky | WeatherSky,
+    ByKey(
+        {
+            "asset": EnvironmentMap,
+            "radiance": ConstantEnvironment,
+            "cie": StandardSky,
+            "diffuse_horizontal": WeatherSky,
+        }
+    ),
 ]
 
 

@@ -6,7 +6,7 @@ from pydantic import Field
 
 from nocturne_scene.document import bounds
 from nocturne_scene.document.fields import AssetReference, Finite
-from nocturne_scene.document.luminaires import LightGroup
+from nocturne_scene.document.light_fields import LightGroup
 from nocturne_scene.document.placement import Placement
 from nocturne_scene.document.spectra import SpectrumReference
 

@@ -89,6 +89,8 @@ _ORDER = (
     "ConstantEnvironment",
     "EnvironmentMap",
     "StandardSky",
+    "WeatherSky",
+    "Place",
     "DistantDisc",
     "RayFile",
     "ImportantDirection",

@@ -10,7 +10,7 @@ from pydantic import Field, model_validator
 from nocturne_scene.document import bounds
 from nocturne_scene.document.fields import Degrees, Finite, Name, PositiveLength, Vector
 from nocturne_scene.document.instruments import Instrument
-from nocturne_scene.document.luminaires import check_axes
+from nocturne_scene.document.light_fields import check_axes
 from nocturne_scene.document.node import ByType, Node, one_of_names, problem_at, quoted_list
 from nocturne_scene.document.placement import Motion
 from nocturne_scene.document.shapes import length, parallel

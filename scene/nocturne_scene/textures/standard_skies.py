@@ -7,6 +7,7 @@ the sixteenth is the older overcast sky of Moon and Spencer (1942).
 """
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -84,16 +85,29 @@ def relative_luminance(kind: int, cos_zenith: Floats, cos_from_sun: Floats, cos_
 
 
 def texels(kind: int, cos_sun: float, rows: int, columns: int) -> Floats:
-    """Relative luminances of an equal-area map, shape (rows, columns); 0 below the horizon.
+    """Luminances of a standard sky, relative to its zenith: see `mean_texels`."""
+    return mean_texels(
+        lambda cos_zenith, cos_from_sun: relative_luminance(kind, cos_zenith, cos_from_sun, cos_sun),
+        cos_sun,
+        rows,
+        columns,
+    )
 
-    Rows are equal steps of z from 1 to -1, columns equal steps of azimuth from the Sun's. `rows` is even.
+
+def mean_texels(
+    luminance: Callable[[Floats, Floats], Floats], cos_sun: float, rows: int, columns: int
+) -> Floats:
+    """Means of an equal-area map, shape (rows, columns); 0 below the horizon.
+
+    `luminance`: of directions at angles with these cosines from the zenith and from the Sun. Rows are equal
+    steps of z from 1 to -1, columns equal steps of azimuth from the Sun's. `rows` is even.
     """
     upper = rows // 2 * _PARTS
     z = 1 - (np.arange(upper) + 0.5) / upper
     azimuth = 2 * np.pi * (np.arange(columns * _PARTS) + 0.5) / (columns * _PARTS)
     sin_sun = np.sqrt(max(0.0, 1 - cos_sun**2))
     from_sun = cos_sun * z[:, None] + sin_sun * np.sqrt(1 - z**2)[:, None] * np.cos(azimuth)
-    values = relative_luminance(kind, np.broadcast_to(z[:, None], from_sun.shape), from_sun, cos_sun)
+    values = luminance(np.broadcast_to(z[:, None], from_sun.shape), from_sun)
     means = values.reshape(rows // 2, _PARTS, columns, _PARTS).mean(axis=(1, 3))
     return np.concatenate([means, np.zeros_like(means)])
 

@@ -3,7 +3,7 @@
 from importlib.metadata import PackageNotFoundError, version
 
 # As it is installed from its wheel, and as part of the project's development environment.
-_DISTRIBUTIONS = ("nocturne-client", "nocturne")
+_DISTRIBUTIONS = ("nocturne", "nocturne-development")
 
 
 def installed_version() -> str:

@@ -21,10 +21,13 @@ class OpenFile:
     size_bytes: int
     etag: str
 
-    async def chunks(self) -> AsyncGenerator[bytes, None]:
-        """The content from start to end in pieces of at most CHUNK_BYTES; closes the file."""
+    async def chunks(self, part: range | None = None) -> AsyncGenerator[bytes, None]:
+        """The content, or some bytes of it, in pieces of at most CHUNK_BYTES; closes the file."""
+        first, end = (part.start, part.stop) if part is not None else (0, self.size_bytes)
         try:
-            while piece := await asyncio.to_thread(self.file.read, CHUNK_BYTES):
+            self.file.seek(first)
+            while piece := await asyncio.to_thread(self.file.read, min(CHUNK_BYTES, end - first)):
+                first += len(piece)
                 yield piece
         finally:
             self.file.close()

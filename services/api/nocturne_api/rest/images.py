@@ -1,4 +1,4 @@
-"""Previews and images, with ETags."""
+"""Previews and images, with ETags, whole or in parts."""
 
 from typing import Annotated
 
@@ -9,6 +9,7 @@ from nocturne_scene.errors import NotFound
 from starlette.responses import Response, StreamingResponse
 
 from nocturne_api.children.denoising import DIFFERENCE, EXR, PNG
+from nocturne_api.files.byte_range import asked_range
 from nocturne_api.files.open_file import OpenFile
 from nocturne_api.files.tiles import MEDIA_TYPE, Cursor
 from nocturne_api.models.measurements import LearnedLight, Reading
@@ -29,12 +30,14 @@ _TILES = {
 }
 
 
+@router.head("/{render_id}/preview.png", include_in_schema=False)
 @router.get("/{render_id}/preview.png", response_class=Response, responses=_PNG)
 async def get_preview(render_id: str, request: Request, operations: Service) -> Response:
     """The tone-mapped PNG of the samples merged by now."""
     return _answer(request, await operations.images.open_preview(render_id), "image/png")
 
 
+@router.head("/{render_id}/thumbnail.png", include_in_schema=False)
 @router.get("/{render_id}/thumbnail.png", response_class=Response, responses=_PNG)
 async def get_thumbnail(render_id: str, request: Request, operations: Service) -> Response:
     """The preview in small, for lists."""
@@ -87,12 +90,14 @@ async def get_learned_light(
     return await operations.learned_lights.at(render_id, x, y)
 
 
+@router.head("/{render_id}/image.exr", include_in_schema=False)
 @router.get("/{render_id}/image.exr", response_class=Response, responses=_EXR)
 async def get_image(render_id: str, request: Request, operations: Service) -> Response:
     """EXR: all quantities, their errors, n; of the samples committed by now, and final after the end."""
     return _answer(request, await operations.images.open_exr(render_id), "image/x-exr")
 
 
+@router.head("/{render_id}/denoised.exr", include_in_schema=False)
 @router.get("/{render_id}/denoised.exr", response_class=Response, responses=_EXR)
 async def get_denoised_exr(render_id: str, request: Request, operations: Service) -> Response:
     """EXR of a denoised picture of the image as it is now, to look at: its values are no measurement.
@@ -103,12 +108,14 @@ async def get_denoised_exr(render_id: str, request: Request, operations: Service
     return _answer(request, await operations.denoised.open(render_id, EXR), "image/x-exr")
 
 
+@router.head("/{render_id}/denoised.png", include_in_schema=False)
 @router.get("/{render_id}/denoised.png", response_class=Response, responses=_PNG)
 async def get_denoised_png(render_id: str, request: Request, operations: Service) -> Response:
     """The denoised picture, tone-mapped."""
     return _answer(request, await operations.denoised.open(render_id, PNG), "image/png")
 
 
+@router.head("/{render_id}/difference.png", include_in_schema=False)
 @router.get("/{render_id}/difference.png", response_class=Response, responses=_PNG)
 async def get_difference_png(render_id: str, request: Request, operations: Service) -> Response:
     """Where the denoised picture leaves the true image: dark within its error bar, then blue, yellow from two
@@ -138,13 +145,25 @@ async def get_bundle(render_id: str, operations: Service) -> Response:
 
 
 def _answer(request: Request, opened: OpenFile, media_type: str) -> Response:
+    """The file or a part of it, or nothing where it is known or only its head is wanted."""
     # no-cache lets a browser keep the image, but ask before every use.
-    headers = {"ETag": opened.etag, "Cache-Control": "no-cache"}
-    if _is_known(request.headers.get("if-none-match", ""), opened.etag):
-        opened.close()
-        return Response(status_code=304, headers=headers)
-    headers["Content-Length"] = str(opened.size_bytes)
-    return StreamingResponse(opened.chunks(), headers=headers, media_type=media_type)
+    headers = {"ETag": opened.etag, "Cache-Control": "no-cache", "Accept-Ranges": "bytes"}
+    size, asked = opened.size_bytes, request.headers
+    part, status = None, 200
+    # The rest of another file is no rest of this one.
+    if asked.get("if-range", opened.etag) == opened.etag:
+        part = asked_range(asked.get("range", ""), size)
+    if _is_known(asked.get("if-none-match", ""), opened.etag):
+        status = 304
+    elif part is not None:
+        status = 206 if part else 416
+        headers["Content-Range"] = f"bytes {part.start}-{part.stop - 1}/{size}" if part else f"bytes */{size}"
+    if status in (200, 206):
+        headers["Content-Length"] = str(size if part is None else len(part))
+        if request.method != "HEAD":
+            return StreamingResponse(opened.chunks(part), status, headers, media_type)
+    opened.close()
+    return Response(None, status, headers, media_type)
 
 
 def _is_known(if_none_match: str, etag: str) -> bool:

@@ -8,12 +8,14 @@ import typer
 
 from nocturne_client.cli import (
     compare_commands,
+    demo_command,
     light_commands,
     local_commands,
     measure_commands,
     preflight_command,
     service_commands,
     token_commands,
+    up_commands,
     validate_command,
     webhook_commands,
 )
@@ -31,9 +33,9 @@ app = typer.Typer(
     no_args_is_help=True,
     pretty_exceptions_enable=False,
 )
-# What brings a package that a command needs and this one does not: an extra of nocturne-client.
+# What brings a package that a command needs and this one does not: an extra of nocturne.
 _EXTRAS = {"numpy": "pixels"}
-_SERVICE = "service"
+_SERVICE = "all"
 
 
 def _show_version(asked: bool) -> None:
@@ -52,6 +54,8 @@ def options(
 
 
 service_commands.add_to(app)
+up_commands.add_to(app)
+demo_command.add_to(app)
 local_commands.add_to(app)
 compare_commands.add_to(app)
 measure_commands.add_to(app)
@@ -91,5 +95,5 @@ def _missing_package(error: ModuleNotFoundError) -> NocturneClientError:
     extra = _EXTRAS.get(package, _SERVICE)
     return NocturneClientError(
         f"this command needs the package {package}, which is not installed; "
-        f'install it with: pip install "nocturne-client[{extra}]"'
+        f'install it with: pip install "nocturne[{extra}]"'
     )

@@ -8,11 +8,12 @@ from nocturne_client.errors import NocturneClientError
 
 __all__ = ["CHECKOUT", "HOW_TO_GET", "find_program", "need_program"]
 
+_OURS = "install the package nocturne-worker, or say where it is with NOCTURNE_BIN=FOLDER"
 HOW_TO_GET = {
-    "nocturne-worker": "build it with `make build`, or say where it is with NOCTURNE_BIN=FOLDER",
-    "nocturne-trace": "build it with `make build`, or say where it is with NOCTURNE_BIN=FOLDER",
-    "nocturne-grid": "build it with `make build`, or say where it is with NOCTURNE_BIN=FOLDER",
-    "redis-server": "install it with `sudo apt-get install redis-server`",
+    "nocturne-worker": _OURS,
+    "nocturne-trace": _OURS,
+    "nocturne-grid": _OURS,
+    "redis-server": "install the package nocturne-worker, or it with `sudo apt-get install redis-server`",
 }
 
 

@@ -13,8 +13,8 @@ from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from types import FrameType
 
+from nocturne_coordinator.signals import on_signals
 from nocturne_coordinator.socket_folder import socket_folder
 from nocturne_coordinator.store.privacy import make_private
 from nocturne_scene.errors import NocturneError
@@ -35,6 +35,8 @@ _START_S = 120.0
 # A worker finishes or hands back its job; the others have nothing that takes long.
 _GRACE_S = 5.0
 _TEND_S = 0.2
+LOCK = "service.lock"
+"""In the data folder: who runs a service there holds it."""
 # An empty database with its log, and first lines of logs.
 _PROBE_BYTES = 2**20
 
@@ -60,16 +62,10 @@ def run_up(settings: UpSettings) -> None:
     stop, reload = threading.Event(), threading.Event()
     has_terminal = os.isatty(0)
 
-    def hung_up(_: int, __: FrameType | None) -> None:
+    def hung_up() -> None:
         (stop if has_terminal and not os.isatty(0) else reload).set()
 
-    signal.signal(signal.SIGHUP, hung_up)
-
-    def ask_to_stop(_: int, __: FrameType | None) -> None:
-        stop.set()
-
-    for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, ask_to_stop)
+    on_signals({signal.SIGHUP: hung_up, signal.SIGINT: stop.set, signal.SIGTERM: stop.set})
     with _told(settings.data):
         _make_folder(settings.data)
         _run(settings, stop, reload)
@@ -243,7 +239,7 @@ def _told(data: Path) -> Iterator[None]:
 @contextmanager
 def only_one_service(data: Path) -> Iterator[None]:
     """Holds the folder; the lock goes with the process, however it ends."""
-    with (data / "service.lock").open("w") as lock:
+    with (data / LOCK).open("w") as lock:
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError as error:

@@ -7,7 +7,8 @@ import numpy as np
 from nocturne.v1 import scene_pb2
 
 from nocturne_scene.compile.sensors import unit
-from nocturne_scene.document.luminaires import EnvironmentMap, StandardSky
+from nocturne_scene.document.luminaires import EnvironmentMap
+from nocturne_scene.document.skies import StandardSky, WeatherSky
 from nocturne_scene.film import Film
 from nocturne_scene.formats.mitsuba.read.units import CANDELAS_PER_UNIT, white
 from nocturne_scene.formats.mitsuba.write.context import Context
@@ -147,8 +148,8 @@ def _add_environment(context: Context) -> None:
             found = plugin("emitter", "constant")
             found.append(spectrum("radiance", context.compiled.table(message.environment.constant)))
             context.root.append(found)
-        case "map" if isinstance(context.compiled.document.environment, StandardSky):
-            context.findings.lost("$.environment", "a standard sky can't be exported; use a picture of it")
+        case "map" if isinstance(context.compiled.document.environment, StandardSky | WeatherSky):
+            context.findings.lost("$.environment", "a formula's sky can't be exported; use a picture of it")
         case "map":
             context.root.append(_sky(context, message.environment.map))
 

@@ -5,7 +5,8 @@ import math
 import numpy as np
 from nocturne.v1 import scene_pb2
 
-from nocturne_scene.document.luminaires import EnvironmentMap, StandardSky
+from nocturne_scene.document.luminaires import EnvironmentMap
+from nocturne_scene.document.skies import StandardSky, WeatherSky
 from nocturne_scene.film import Film
 from nocturne_scene.formats.pbrt import squares
 from nocturne_scene.formats.pbrt.write.context import Context
@@ -103,8 +104,8 @@ def _add_environment(context: Context) -> None:
         case "constant":
             radiance = light("L", context.compiled.table(message.environment.constant))
             context.world.append(directive("LightSource", quoted("infinite"), *radiance))
-        case "map" if isinstance(context.compiled.document.environment, StandardSky):
-            context.findings.lost("$.environment", "a standard sky can't be exported; use a picture of it")
+        case "map" if isinstance(context.compiled.document.environment, StandardSky | WeatherSky):
+            context.findings.lost("$.environment", "a formula's sky can't be exported; use a picture of it")
         case "map":
             context.world += _sky(context, message.environment.map)
 
