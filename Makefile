@@ -29,7 +29,7 @@ help:  ## This list
 packages:  ## Install the Debian packages that are missing
 	@deploy/install-debian-packages.sh build test service
 
-PROJECTS := pyproject.toml hatch_build.py scene/pyproject.toml services/client/pyproject.toml services/api/pyproject.toml
+PROJECTS := pyproject.toml hatch_build.py scene/pyproject.toml services/client/pyproject.toml services/api/pyproject.toml worker/pyproject.toml
 $(STAMPS)/venv: requirements.lock $(PROJECTS) | packages
 	test -x $(PYTHON) || $(SYSTEM_PYTHON) -m venv .venv
 	$(PYTHON) -m pip install --quiet --no-deps --require-hashes -r requirements.lock

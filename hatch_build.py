@@ -1,4 +1,4 @@
-"""What the development environment needs: all that the three packages ask for, and their programs.
+"""What the development environment needs: all that the packages ask for, and their programs.
 
 They are scene/, services/client/ and services/api/, each with a pyproject.toml. Read by hatchling.
 """
@@ -9,7 +9,7 @@ from typing import Any
 
 from hatchling.metadata.plugin.interface import MetadataHookInterface
 
-PACKAGES = ("scene", "services/api", "services/client")
+PACKAGES = ("scene", "services/api", "services/client", "worker")
 
 
 class Together(MetadataHookInterface):
@@ -20,7 +20,7 @@ class Together(MetadataHookInterface):
         scripts: dict[str, str] = {}
         for folder in PACKAGES:
             project = tomllib.loads((Path(self.root) / folder / "pyproject.toml").read_text())["project"]
-            wanted |= {each for each in project["dependencies"] if not each.startswith("nocturne")}
+            wanted |= {each for each in project.get("dependencies", ()) if not each.startswith("nocturne")}
             scripts |= project.get("scripts", {})
         metadata["dependencies"] = sorted(wanted)
         metadata["scripts"] = scripts

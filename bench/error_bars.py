@@ -72,17 +72,17 @@ def rows(figures: Figures) -> list[Row]:
     """Coverage by scene, and the diagnostic's hits and misses."""
     table = []
     for name, each in _each(figures):
-        told = ", ".join(f"{level} {100 * each['coverage'][level]:.3g} %" for level in LEVELS)
-        flagged = f"heavy tails told in {100 * each['flagged']:.3g} % of renders"
-        table.append(
-            Row(f"{name}: truth in the interval of", f"{told}; {flagged}", "at least nominal, or told")
-        )
+        observed = " / ".join(f"{100 * each['coverage'][level]:.3g}" for level in LEVELS)
+        warned = f"warned in {100 * each['flagged']:.3g} % of renders"
+        nominal = " / ".join(level.removesuffix(" %") for level in LEVELS)
+        what = f"{name}: truth in the interval of nominal {nominal} %"
+        table.append(Row(what, f"{observed} %; {warned}", "at least nominal, or warned"))
     count = diagnosis(figures)
     table.append(
         Row(
             f"heavy-tail diagnostic, of {figures['renders']} renders of each",
-            f"broken and told {count['hits']}, broken and not told {count['misses']}; "
-            f"sound and told {count['false alarms']}, sound and not told {count['sound']}",
+            f"broken and warned {count['hits']}, broken and not warned {count['misses']}; "
+            f"sound and warned {count['false alarms']}, sound and not warned {count['sound']}",
         )
     )
     return table

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import platformdirs
 import pytest
-from nocturne_client.local.programs import CHECKOUT, find_program
+from nocturne_client.local.programs import CHECKOUT
 
 from tests.docs.tutorial import script_of
 from tests.system.free_ports import free_port_pair
@@ -33,8 +33,8 @@ _IN_EVERY_RUN = "first-render"
 )
 def test_commands_of_a_tutorial_run(name: str, tmp_path_factory: pytest.TempPathFactory) -> None:
     folder = tmp_path_factory.mktemp("t")
-    (folder / "examples").symlink_to(CHECKOUT / "examples")
-    (folder / "services").symlink_to(CHECKOUT / "services")
+    for part in (".venv", "examples", "services"):
+        (folder / part).symlink_to(CHECKOUT / part)
     api, redis = free_port_pair(), free_port_pair()
     ports = {"7070": str(api), "7071": str(api + 1), "6390": str(redis)}
     script = script_of((TUTORIALS / f"{name}.md").read_text(encoding="utf-8"), ports)
@@ -59,11 +59,10 @@ def test_commands_of_a_tutorial_run(name: str, tmp_path_factory: pytest.TempPath
 
 
 def _environment(folder: Path, port: int) -> dict[str, str]:
-    """Programs of this checkout first; a home that is empty but for the cache of tables, whose making takes
-    half a minute; the service on a port that is free."""
-    worker = find_program("nocturne-worker")
-    assert worker is not None
-    path = os.pathsep.join([str(NOCTURNE.parent), str(worker.parent), os.environ["PATH"]])
+    """As a login shell has it: whoever wants the programs of the checkout types so. A home that is empty but
+    for the cache of tables, whose making takes half a minute; the service on a port that is free."""
+    ours = str(NOCTURNE.parent)
+    path = os.pathsep.join(each for each in os.environ["PATH"].split(os.pathsep) if each != ours)
     return {
         **os.environ,
         "PATH": path,
@@ -104,7 +103,7 @@ never
 ```
 """
     script = script_of(page, {"7070": "12345"})
-    told = ["first", "(exec serve --port 12345)", "wait_for_port 12345", 'kill -INT "$shop"']
+    told = ["first", "exec serve --port 12345)", "wait_for_port 12345", 'kill -INT "$shop"']
     places = [script.index(each) for each in told]
     assert places == sorted(places)
     assert "never" not in script

@@ -3,7 +3,7 @@
 A block starts with one of these lines, of which a reader sees no more than the language:
 
 ```sh                    typed and waited for
-```sh background NAME    one command in a separate shell, which runs to the end or until it is stopped
+```sh background NAME    one command in a separate shell, after what it exports, until its end or Ctrl-C
 ```sh skip               needs programs that this machine may not have
 
 The comment `<!-- run: stop NAME -->` stands for Ctrl-C in a shell of that name.
@@ -19,6 +19,7 @@ _STEP = re.compile(
 
 _HEAD = """\
 set -euo pipefail
+LOGIN_PATH=$PATH
 trap 'kill $(jobs -p) 2>/dev/null || true; wait' EXIT
 wait_for_port() {
     for _ in $(seq 600); do
@@ -54,4 +55,9 @@ def script_of(page: str, ports: Mapping[str, str]) -> str:
 def _in_background(code: str, name: str, ports: Mapping[str, str]) -> str:
     """Starts one command, and waits until something answers at each port that it names."""
     waits = "".join(f"wait_for_port {port}\n" for port in ports if port in code)
-    return f"(exec {code.strip()}) >{name}.log 2>&1 &\n{name}=$!\n{waits}"
+    exports, command = "", code.strip()
+    while command.startswith("export "):
+        line, _, command = command.partition("\n")
+        exports += f"{line}; "
+    shell = f"PATH=$LOGIN_PATH; {exports}exec {command}"
+    return f"({shell}) >{name}.log 2>&1 &\n{name}=$!\n{waits}"

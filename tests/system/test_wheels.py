@@ -84,6 +84,7 @@ def test_all_are_of_one_version() -> None:
         wanted = [*project["dependencies"], *(each for extra in extras for each in extra)]
         ours = [each for each in wanted if each.startswith("nocturne")]
         assert all(each.endswith(f"=={_version()}") for each in ours)
+    assert f"\nversion: {_version()}\n" in (ROOT / "CITATION.cff").read_text()
 
 
 def test_contracts_are_not_newer_than_the_oldest_runtime_allowed() -> None:

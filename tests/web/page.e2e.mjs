@@ -115,8 +115,8 @@ const checks = {
     const shown = async (label) => (await pixel.locator(`dl > div:has(dt:text-is("${label}")) dd`).textContent()).replaceAll("\u00a0", " ");
     const xyz = (await shown("X Y Z")).split("  ").map(parseFloat);
     values.slice(0, 3).forEach((value, i) => assert.ok(Math.abs(xyz[i] / value - 1) < 1e-4, `${xyz} is not ${values}`));
-    const error = Number(/± (\S+)/.exec(await shown("Std. error"))[1]);
-    assert.ok(Math.abs(error / values[3] - 1) < 1e-2, `${error} is not ${values[3]}`);
+    const half = Number(/± (\S+)/.exec(await shown("95\u00a0%"))[1]);
+    assert.ok(Math.abs(half / (1.96 * values[3]) - 1) < 1e-2, `${half} is not of ${values[3]}`);
     assert.equal(await shown("Samples"), "64");
     // The service tells the errors of the other quantities.
     await pixel.getByText(/\S+\u00a0±\u00a0\S+ {2}\S+\u00a0±\u00a0\S+ {2}\S+\u00a0±\u00a0\S+/).waitFor();

@@ -1,11 +1,13 @@
-"""The programs of the tracer, as the wheel brings them: from `PROGRAMS`, or by their names."""
+"""The programs of the tracer by their names: as the wheel brings them, or as the checkout has built them."""
 
 import os
 import sys
 from pathlib import Path
 from typing import NoReturn
 
-PROGRAMS = Path(__file__).parent / "bin"
+_HERE = Path(__file__).resolve().parent
+_BROUGHT = _HERE / "bin"
+PROGRAMS = _BROUGHT if _BROUGHT.is_dir() else _HERE.parents[1] / "build" / "release" / "worker"
 
 
 def _become(name: str) -> NoReturn:

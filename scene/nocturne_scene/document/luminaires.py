@@ -236,7 +236,7 @@ class DistantDisc(Node):
 
 
 class ImportantDirection(Placement):
-    """A shape that is worth looking at from everywhere, such as the opening of a reflector.
+    """A shape to aim photons at from anywhere in the scene, such as the opening of a reflector.
 
     It is no part of the scene: it only says where photons are sent more often.
     """

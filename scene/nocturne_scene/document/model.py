@@ -91,7 +91,7 @@ class SceneDocument(Node):
         default=[], description="Lamps as the rays of files (IES TM-25), for meters."
     )
     important_directions: Annotated[list[ImportantDirection], Field(max_length=bounds.IMPORTANT_SHAPES)] = (
-        Field(default=[], description="Shapes that are worth looking at from everywhere.")
+        Field(default=[], description="Shapes to aim photons at from anywhere in the scene.")
     )
     tracing: Tracing = Field(default=Tracing(), description="How photons are traced.")
 

@@ -75,7 +75,7 @@ class Instance(Moving):
         description="A name from `$.groups`."
     )
     placements: PlacementsFile | None = Field(
-        default=None, description="Where the group stands, often, in a file; else once."
+        default=None, description="File with many placements of the group. Default: one placement."
     )
 
 

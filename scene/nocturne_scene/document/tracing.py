@@ -53,8 +53,8 @@ class Tracing(Node):
 
     h: Annotated[Finite, Field(gt=0, le=1e6)] | None = Field(
         default=None,
-        description="Scales the probability min(1, H h) that a photon survives at a surface of albedo H. "
-        "4 unless given; 1 with roulette by albedo, where more would keep photons for ever.",
+        description="Russian-roulette factor: a photon survives a surface of albedo H with probability min(1, h H). "
+        "Default: 4, or 1 with roulette by albedo, where a larger value would never end a path.",
     )
     roulette: Literal["weight", "albedo"] = Field(
         default="weight",
@@ -81,7 +81,7 @@ class Tracing(Node):
     mixture: Mixture = Field(default=Mixture(), description="How directions are chosen.")
     photons_together: Literal["auto", 1, 4] = Field(
         default="auto",
-        description="Photons of different wavelengths that travel together as long as nothing parts them. "
+        description="How many wavelengths share one path until dispersion or scattering separates them. "
         "`auto`: 1 for `forward` with media, else 4.",
     )
     direction: Literal["auto", "adjoint", "forward", "both"] = Field(

@@ -24,6 +24,11 @@ export function formatValue(value: number, digits = 5): string {
   return size < 10 ** (digits - 1) ? value.toPrecision(digits) : `${Number(value.toPrecision(digits))}`;
 }
 
+/** Half of a 95 % interval, after the value that it is of: what ± says everywhere. */
+export function plusMinus(standardError: number, digits = 2): string {
+  return `±\u00a0${formatValue(1.96 * standardError, digits)}`;
+}
+
 /** A relative error as percent with two significant digits; 0 means unknown. */
 export function formatRelativeError(value: number): string {
   return value > 0 && Number.isFinite(value) ? `${significant(100 * value, 2)}\u00a0%` : "–";

@@ -34,7 +34,7 @@ test("a rating says what it is not for", () => {
     ugr: 19.26, ugr_error: 0.04, dgp: 0.31, dgp_error: null, vertical_illuminance: 1234.6, vertical_illuminance_error: 2,
     background_luminance: 60, sources: [], dgp_sources: [], notes: ["DGP is for others"],
   };
-  assert.equal(glareText(glare), "Glare for who looks at the middle: UGR 19.3 ± 0.040, DGP 0.310, 1235 lx at the eye. (DGP is for others)");
+  assert.equal(glareText(glare), "Glare for who looks at the middle: UGR 19.3 ±\u00a00.078 (95\u00a0%), DGP 0.310, 1235 lx at the eye. (DGP is for others)");
   assert.match(glareText({ ...glare, ugr: null, dgp: null, notes: [] }), /UGR is not known, 1235 lx at the eye\.$/);
 });
 

@@ -23,27 +23,27 @@ function rows(reading: Reading, answer: RegionReading | undefined, isAsked: bool
 test("the film's numbers are there at once, a region's error when the service told it", () => {
   const before = rows(film, undefined, true);
   assert.equal(before.Luminance, "10.000 cd/m²");
-  assert.equal(before["Std. error"], "…");
+  assert.equal(before["95\u00a0%"], "…");
   assert.equal(before["X Y Z"], "12.000  10.000  8.0000");
   assert.equal(before["u′ v′"], "0.2581  0.4839");
 });
 
 test("every quantity has the error that the service tells", () => {
   const after = rows(film, told, true);
-  assert.equal(after["Std. error"], "± 0.700 (7.0 %)");
-  assert.equal(after["X Y Z"], "12.000 ± 0.30  10.000 ± 0.70  8.0000");
-  assert.equal(after["u′ v′"], "0.2124 ± 0.0010  0.3982 ± 0.0020");
-  assert.equal(after.rod, "0.25000 ± 0.010");
+  assert.equal(after["95\u00a0%"], "± 1.37 (14 %)");
+  assert.equal(after["X Y Z"], "12.000 ± 0.59  10.000 ± 1.4  8.0000");
+  assert.equal(after["u′ v′"], "0.2124 ± 0.0020  0.3982 ± 0.0039");
+  assert.equal(after.rod, "0.25000 ± 0.020");
 });
 
 test("an image that no service knows has the error of independent pixels, and of a single one at once", () => {
-  assert.equal(rows(film, undefined, false)["Std. error"], "± 0.500 (5.0 %)");
-  assert.equal(rows({ ...film, pixels: 1 }, undefined, true)["Std. error"], "± 0.500 (5.0 %)");
+  assert.equal(rows(film, undefined, false)["95\u00a0%"], "± 0.980 (9.8 %)");
+  assert.equal(rows({ ...film, pixels: 1 }, undefined, true)["95\u00a0%"], "± 0.980 (9.8 %)");
 });
 
 test("what saw nothing has a bound, and no colour", () => {
   const dark = rows({ ...film, xyz: [0, 0, 0] }, undefined, false);
   assert.equal(dark.Luminance, "nothing seen");
-  assert.match(dark["Std. error"] ?? "", /fewer than 1 of 42.7 samples/);
+  assert.match(dark["95\u00a0%"] ?? "", /fewer than 1 of 42.7 samples/);
   assert.equal(dark["u′ v′"], "–");
 });

@@ -136,9 +136,7 @@ def get(
     ] = None,
     bundle: Annotated[
         Path | None,
-        typer.Option(
-            "--bundle", help="Write a ZIP of all that is known of it here, to ask somebody about it."
-        ),
+        typer.Option("--bundle", help="Write a ZIP for a bug report here."),
     ] = None,
     region: Annotated[
         str,
@@ -319,7 +317,7 @@ def workers(
     url: Url = None,
     as_json: AsJson = False,
 ) -> None:
-    """List the workers heard of lately, and why any of them gets no jobs."""
+    """List workers, and why any of them is idle."""
     with Client(url) as client:
         if drain:
             client.drain_worker(drain)

@@ -16,6 +16,7 @@ from nocturne_client.client import Client
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.failures import client_errors
 from nocturne_client.models import Render
+from nocturne_client.readings import CONFIDENCE
 
 
 @dataclass(frozen=True)
@@ -151,12 +152,13 @@ def as_lines(compared: Compared) -> list[str]:
     for index, name in enumerate(compared.names):
         line = f"mean {name}: {found.ratio[index] - 1:+.3%} of the reference's"
         if found.ratio_error is not None and found.verdict is not None:
-            line += f" +- {found.ratio_error[index]:.3%} (z {found.verdict.mean_z[index]:+.1f})"
+            half = CONFIDENCE * found.ratio_error[index]
+            line += f" +- {half:.3%} (95 %; z {found.verdict.mean_z[index]:+.1f})"
         lines.append(line)
     if compared.shift is not None:
         shifts = zip(("u'", "v'"), compared.shift, compared.shift_error, strict=True)
-        told = ", ".join(f"{name} {shift:+.5f} +- {error:.5f}" for name, shift, error in shifts)
-        lines.append(f"mean chromaticity off by {told}")
+        told = ", ".join(f"{name} {shift:+.5f} +- {CONFIDENCE * error:.5f}" for name, shift, error in shifts)
+        lines.append(f"mean chromaticity off by {told} (95 %)")
     if found.verdict is None:
         return [*lines, "neither file tells its noise, so nothing can be said about chance"]
     verdict = found.verdict

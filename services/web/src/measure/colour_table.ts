@@ -1,6 +1,6 @@
 /** Table of a measured part: daylight factor, places, and the colour of its light. */
 import { table, tableRow } from "../dom.ts";
-import { formatValue } from "../format.ts";
+import { formatValue, plusMinus } from "../format.ts";
 import { capital } from "../image/look.ts";
 import type { Measurement } from "../service/types.ts";
 
@@ -18,7 +18,7 @@ export function tellsOf({ colour, daylight_factor: daylight, minimum, maximum }:
     rows.unshift(row("Darkest at", placeText(minimum.place)), row("Brightest at", placeText(maximum.place)));
   }
   if (rows.length === 0) return [];
-  return [table([], rows, "Of the light that arrives; after ±: one standard error")];
+  return [table([], rows, "Of the light that arrives; after ±: half of the 95 % interval")];
 }
 
 /** x, y, z in metres, to the millimetre. */
@@ -31,5 +31,5 @@ function row(name: string, value: string): HTMLElement {
 }
 
 function withError(value: number, error: number | null): string {
-  return error === null ? formatValue(value, 5) : `${formatValue(value, 5)} ± ${formatValue(error, 2)}`;
+  return error === null ? formatValue(value, 5) : `${formatValue(value, 5)} ${plusMinus(error)}`;
 }

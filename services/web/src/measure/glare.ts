@@ -1,5 +1,5 @@
 /** A glare rating as text, and where its sources are on a panorama's film, as outlines to draw. Pure. */
-import { formatValue } from "../format.ts";
+import { formatValue, plusMinus } from "../format.ts";
 import type { Glare, Outline, Render } from "../service/types.ts";
 
 /** The most pixels of which the service rates glare. */
@@ -18,7 +18,7 @@ export function glareText({ ugr, ugr_error: ugrError, dgp, dgp_error: dgpError, 
 }
 
 function withError(value: string, error: number | null): string {
-  return error === null ? value : `${value} ± ${formatValue(error, 2)}`;
+  return error === null ? value : `${value} ${plusMinus(error)} (95\u00a0%)`;
 }
 
 const corners = 16;

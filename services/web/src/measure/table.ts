@@ -1,6 +1,6 @@
 /** Measured parts as a table: extremes, mean and uniformity with their standard errors. */
 import { element, table, tableRow } from "../dom.ts";
-import { formatValue, shownUnit } from "../format.ts";
+import { formatValue, plusMinus, shownUnit } from "../format.ts";
 import { capital } from "../image/look.ts";
 import type { Measurement, Measurements } from "../service/types.ts";
 import { kinds, pointsText } from "./outlines.ts";
@@ -20,7 +20,7 @@ export function quantityText({ quantity, unit }: Measurements): string {
 
 export function tableOf(found: Measurements, choices: Choices): HTMLElement {
   const headings = ["Part", "Min", "Mean", "Max", "U0", "Ud", ...(choices.onRemove ? [""] : [])];
-  return table(headings, found.measurements.map((each, index) => row(each, index, choices)), `${quantityText(found)}; after ±: one standard error`);
+  return table(headings, found.measurements.map((each, index) => row(each, index, choices)), `${quantityText(found)}; after ±: half of the 95 % interval`);
 }
 
 export function nameOf({ outline }: Measurement): string {
@@ -51,5 +51,5 @@ function row(measured: Measurement, index: number, { chosen, onChoose, onRemove 
 function valueText(value: number | null, error: number | null, digits = 4): string {
   if (value === null) return "–";
   // Narrow tables break before the error, never within a number.
-  return `${value === 0 ? "0" : formatValue(value, digits)}${!error ? "" : ` ±\u00a0${formatValue(error, 2)}`}`.replaceAll("e-", "e\u2212");
+  return `${value === 0 ? "0" : formatValue(value, digits)}${!error ? "" : ` ${plusMinus(error)}`}`.replaceAll("e-", "e\u2212");
 }

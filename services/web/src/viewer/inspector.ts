@@ -58,7 +58,7 @@ interface Column {
 
 function column(title: string, hint: string, measured: () => Measured, ask: Ask): Column {
   const place = element("span", { class: "place" });
-  const list = element("dl", { title: "After ±: one standard error" });
+  const list = element("dl", { title: "After ±: half of the 95 % interval" });
   const invitation = element("p", { class: "note" }, hint);
   const node = element("section", { "aria-label": title }, element("h2", {}, title, place), invitation, list);
   list.hidden = true;

@@ -1,7 +1,7 @@
 /** Numbers of the inspector as text: those that the film has at once, with the errors that the service tells. Pure. */
 import type { Reading } from "../image/tiled_image.ts";
 import { chromaticity, colourTemperature, distanceFromLocus } from "../image/colour.ts";
-import { formatCount, formatValue } from "../format.ts";
+import { formatCount, formatValue, plusMinus } from "../format.ts";
 import { capital, type Measured } from "../image/look.ts";
 import type { RegionReading } from "../service/types.ts";
 
@@ -19,7 +19,7 @@ export function rowsOf(reading: Reading, told: RegionReading | undefined, isAske
   const [fewest, most] = reading.samples;
   return [
     { name: capital(quantity), text: y > 0 ? `${formatValue(y)}\u00a0${unit}`.trimEnd() : "nothing seen" },
-    { name: "Std. error", text: errorText(reading, told, isAsked) },
+    { name: "95\u00a0%", text: errorText(reading, told, isAsked) },
     { name: "X Y Z", text: valuesText(reading, told) },
     { name: "u\u2032 v\u2032", text: colourText(reading, told) },
     { name: "x y", text: xyText(reading) },
@@ -37,7 +37,7 @@ function errorText(reading: Reading, told: RegionReading | undefined, isAsked: b
   if (!told && isAsked && pixels > 1) return "…";
   const error = told ? told.values[1]?.standard_error : reading.standardError;
   if (typeof error !== "number" || !Number.isFinite(error)) return "–";
-  return `±\u00a0${formatValue(error, 3)} (${formatValue((100 * error) / xyz[1], 2)}\u00a0%)`;
+  return `${plusMinus(error, 3)} (${formatValue((196 * error) / xyz[1], 2)}\u00a0%)`;
 }
 
 function valuesText({ xyz }: Reading, told: RegionReading | undefined): string {
@@ -53,9 +53,9 @@ function colourText({ xyz: [X, Y, Z] }: Reading, told: RegionReading | undefined
   return `${withError(u.toFixed(4), told?.u_prime_error)}  ${withError(v.toFixed(4), told?.v_prime_error)}`;
 }
 
-/** The value with its standard error, where that is known. */
+/** The value with its 95 % interval, where its standard error is known. */
 function withError(value: string, error: number | null | undefined): string {
-  return typeof error === "number" ? `${value}\u00a0±\u00a0${formatValue(error, 2)}` : value;
+  return typeof error === "number" ? `${value}\u00a0${plusMinus(error)}` : value;
 }
 
 function xyText({ xyz }: Reading): string {

@@ -1,6 +1,6 @@
 /** The figures of one render. */
 import { element, setText } from "../dom.ts";
-import { formatCount, formatDuration, formatRelativeError, formatSamples, formatValue, shownUnit } from "../format.ts";
+import { formatCount, formatDuration, formatRelativeError, formatSamples, formatValue, plusMinus, shownUnit } from "../format.ts";
 import { costOf } from "../service/price.ts";
 import { elapsedSeconds, serviceNow } from "../service/clock.ts";
 import { hasEnded, type Render } from "../service/types.ts";
@@ -73,7 +73,7 @@ export function factsList(): { node: HTMLElement; show: (render: Render) => void
 
 function meanText({ progress: { mean, mean_error }, unit }: Render): string {
   if (mean <= 0) return "–";
-  const interval = mean_error > 0 ? `\u00a0±\u00a0${formatValue(1.96 * mean_error, 2)}` : "";
+  const interval = mean_error > 0 ? `\u00a0${plusMinus(mean_error)}` : "";
   return `${formatValue(mean, 4)}${interval} ${shownUnit(unit)}`.trimEnd();
 }
 

@@ -70,7 +70,7 @@ function samplesShort(render: Render): string {
 function errorText({ progress, stop }: Render): string {
   const target = stop.relative_error > 0 ? ` → ${formatRelativeError(stop.relative_error)}` : "";
   const doubt = progress.doubt ? " (not to be trusted)" : "";
-  return progress.relative_error > 0 ? `± ${formatRelativeError(progress.relative_error)}${doubt}${target}` : target;
+  return progress.relative_error > 0 ? `error ${formatRelativeError(progress.relative_error)}${doubt}${target}` : target;
 }
 
 function finishText(render: Render): string {
