@@ -19,8 +19,24 @@ LIGHT_GROUP_PATTERN = "^([A-Za-z][A-Za-z0-9_-]{0,30})?$"
 REST = "rest"
 """What lights without a group bring, beside groups."""
 
+STOKES = ("S1", "S2", "S3")
+"""Layers of the Stokes vector's other elements, of X, Y, Z and of each further response; S0 is the light."""
+
 TAKEN_LAYERS = frozenset(
-    {REST, *LIGHT_PARTS, *_TAKEN, "albedo", "N", "depth", "P", "id", "emission", "denoised", "difference"}
+    {
+        REST,
+        *LIGHT_PARTS,
+        *STOKES,
+        *_TAKEN,
+        "albedo",
+        "N",
+        "depth",
+        "P",
+        "id",
+        "emission",
+        "denoised",
+        "difference",
+    }
 )
 """What can't be a light group's name: the part of a channel's name before its point means something else."""
 
@@ -37,6 +53,16 @@ def group_channels(group: str) -> tuple[str, str, str]:
     return f"{group}.X", f"{group}.Y", f"{group}.Z"
 
 
+def stokes_channel(layer: str, name: str) -> str:
+    """The channel of S1, S2 or S3 beside one of S0: as spectral EXR files have it, where that is a band."""
+    return f"{layer}.{name.removeprefix('S0.')}"
+
+
+def is_signed(name: str) -> bool:
+    """Whether a further response may be negative: it counts polarised light."""
+    return name.partition(".")[0] in STOKES
+
+
 def counts_light_groups(name: str) -> bool:
     """Whether a further response's name is one of light groups, or of parts of the light."""
     return _OF_GROUPS.fullmatch(name) is not None
@@ -45,7 +71,7 @@ def counts_light_groups(name: str) -> bool:
 def light_groups_in(names: Sequence[str]) -> list[str]:
     """The light groups that further responses tell apart, in order; none: they tell none."""
     found = (name.rpartition(".") for name in names if counts_light_groups(name))
-    return [group for group, _, axis in found if axis == "Y" and group not in LIGHT_PARTS]
+    return [group for group, _, axis in found if axis == "Y" and group not in (*LIGHT_PARTS, *STOKES)]
 
 
 def name_problems(names: Sequence[str]) -> Iterator[str]:
@@ -55,7 +81,7 @@ def name_problems(names: Sequence[str]) -> Iterator[str]:
     for index, name in enumerate(names):
         if name in names[:index]:
             yield f"two responses are named {name!r}"
-        elif is_band(name) or name in _OF_SENSORS or counts_light_groups(name):
+        elif is_signed(name) or is_band(name) or name in _OF_SENSORS or counts_light_groups(name):
             continue
         elif not _NAME.fullmatch(name):
             yield (

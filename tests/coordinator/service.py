@@ -18,6 +18,7 @@ from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.rows import NewRender, RenderRow
 from nocturne_scene.ranges import make_schedule
+from nocturne_scene.responses import is_signed
 from nocturne_scene.tile_sums import TileSums
 from nocturne_scene.uncertainty import moments_of
 
@@ -244,7 +245,8 @@ def read_further_responses(path: Path) -> dict[str, np.ndarray]:
     return {
         name: channel
         for name, channel in _read_channels(path).items()
-        if "." not in name and name not in ("X", "Y", "Z", "n", "R", "G", "B")
+        if ("." not in name or (is_signed(name) and not name.endswith(".stderr")))
+        and name not in ("X", "Y", "Z", "n", "R", "G", "B")
     }
 
 

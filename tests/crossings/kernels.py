@@ -18,8 +18,8 @@ def kernel(draft: Draft, depth: int = 0) -> Any:
     sharp = (_pane, _glazing, _null) if draft.sharp else ()
     compound = (_blend, _mask, _two_sided) if depth < 2 else ()
     # In no blend and no mask.
-    glowing = (_fluorescent,) if depth == 0 else ()
-    made = draft.chance.pick([*simple, *sharp, *compound, *glowing])(draft, depth)
+    alone = (_fluorescent, *((_filter,) if draft.sharp else ())) if depth == 0 else ()
+    made = draft.chance.pick([*simple, *sharp, *compound, *alone])(draft, depth)
     return draft.used("kernels", made)
 
 
@@ -87,6 +87,21 @@ def _fluorescent(draft: Draft, depth: int) -> Document:
         rows = [[chance.number(0.0, 3e-3) for _ in range(3)] for _ in range(2)]
         glow = {"excitation_nm": [400, 520], "emission_nm": [500, 570, 650], "values": rows}
     return {"type": "lambertian", "reflectance": chance.number(0.1, 0.4), "fluorescence": [glow]}
+
+
+def _filter(draft: Draft, depth: int) -> Document:
+    """A polariser or a wave plate."""
+    chance = draft.chance
+    axis = [chance.number(-1.0, 1.0), chance.number(-1.0, 1.0), 1.0]
+    match chance.whole(0, 3):
+        case 0:
+            return {"type": "retarder", "axis": axis, "retardance_nm": chance.number(50, 900)}
+        case 1:
+            return {"type": "retarder", "axis": axis, "retardance_degrees": chance.number(10, 350)}
+    made: Document = {"type": "polariser", "axis": axis}
+    if chance.maybe(0.5):
+        made |= {"transmittance": reflectance(draft), "leakage": chance.number(0.0, 0.3)}
+    return made
 
 
 def _transmitter(draft: Draft, depth: int) -> Document:

@@ -165,6 +165,9 @@ def _luminaires(draft: Draft, document: Document) -> Iterator[Document]:
 
 def _put_light_groups(draft: Draft, document: Document) -> None:
     """Of some lights; others are the rest."""
+    if document["sensor"].get("stokes"):
+        # Of a group's light nobody knows how it is polarised.
+        return
     sky = document.get("environment")
     for light in (*_luminaires(draft, document), *([sky] if sky else []), *document.get("distant", [])):
         if draft.chance.maybe(0.7):

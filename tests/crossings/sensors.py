@@ -50,7 +50,10 @@ def camera(draft: Draft) -> Document:
             made |= {"height": 0.2}
         case "radiance_meter":
             made |= {"diameter": 0.06, "cone_degrees": chance.number(5, 40)}
-    return made | _reading(draft) | _moving(draft, made["position"])
+    read = _reading(draft)
+    if not {"light_parts", "colour"} & read.keys() and chance.maybe(0.2):
+        read["stokes"] = chance.maybe(0.9)
+    return made | read | _moving(draft, made["position"])
 
 
 def film(draft: Draft, *, far: bool = False) -> Document:

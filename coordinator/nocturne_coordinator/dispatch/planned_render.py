@@ -1,7 +1,7 @@
 """A render as the coordinator schedules it, and the check that a result belongs to it. Pure."""
 
 from bisect import bisect_right
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
 from itertools import takewhile
@@ -11,6 +11,7 @@ from google.protobuf.message import DecodeError
 from nocturne.v1 import job_pb2
 from nocturne_scene.photon_sums import PackedPhotons
 from nocturne_scene.ranges import PHOTON_BUNDLE, RangeList, SampleRange, TileGrid, entries_of, ratio_of
+from nocturne_scene.responses import is_signed
 from nocturne_scene.tile_sums import (
     BLOCK,
     PIXEL_SQUARES,
@@ -19,6 +20,7 @@ from nocturne_scene.tile_sums import (
     TileSums,
     blocks_in,
     decode,
+    factors_of_tile,
     numbers_in,
 )
 
@@ -109,6 +111,11 @@ class PlannedRender:
         """Number of further responses."""
         return len(self.schedule.further_responses)
 
+    @property
+    def signed(self) -> list[bool]:
+        """Of further responses: whether they may be negative."""
+        return [is_signed(name) for name in self.schedule.further_responses]
+
     def job(self, index: int, planned: SampleRange) -> job_pb2.Job:
         forward = index == self.photon_index
         film = job_pb2.Tile(width=self.schedule.width, height=self.schedule.height)
@@ -147,7 +154,7 @@ class PlannedRender:
         """The sums of a partial result of a job that was found; RefusedResult if they can't be."""
         if job.photons_by_tiles_of:
             return self._check_photons(partial, job)
-        return check_partial(partial, job, self.further, self.photons_per_sample)
+        return check_partial(partial, job, self.further, self.photons_per_sample, self.signed)
 
     def _check_photons(self, partial: job_pb2.Partial, job: job_pb2.Job) -> PackedPhotons:
         photons = (job.end_sample - job.first_sample) * PHOTON_BUNDLE
@@ -175,7 +182,11 @@ def render_of(data: bytes) -> str:
 
 
 def check_partial(
-    partial: job_pb2.Partial, job: job_pb2.Job, further: int, photons_per_sample: int = 1
+    partial: job_pb2.Partial,
+    job: job_pb2.Job,
+    further: int,
+    photons_per_sample: int = 1,
+    signed: Sequence[bool] = (),
 ) -> TileSums:
     """The sums of a partial result of a job; RefusedResult if they can't be."""
     pixels = job.tile.width * job.tile.height
@@ -187,12 +198,12 @@ def check_partial(
     if len(encoded) != expected:
         raise RefusedResult(f"sums of {len(encoded)} bytes; expected {expected}")
     sums = decode(encoded, job.tile.width, job.tile.height, further)
-    check_sums(sums, samples)
+    check_sums(sums, samples, signed)
     return sums
 
 
-def check_sums(sums: TileSums, samples: int) -> None:
-    """RefusedResult if no samples have such sums."""
+def check_sums(sums: TileSums, samples: int, signed: Sequence[bool] = ()) -> None:
+    """RefusedResult if no samples have such sums. `signed`: which further responses may be negative."""
     height, width = sums.pixels.shape[:2]
     of_pixels = sums.pixels.reshape(height * width, -1)
     of_blocks = sums.block_products.reshape(-1, PRODUCTS)
@@ -208,8 +219,7 @@ def check_sums(sums: TileSums, samples: int) -> None:
     further = of_pixels[:, XYZ_SUMS:]
     _check_range(table)
     if further.size:
-        _check_range(further)
-        _check_range(sums.tile_products)
+        _check_further(further, sums.tile_products, signed)
     if count := further.shape[-1] // 2:
         _check_products(further[:, :count] ** 2, further[:, count:], samples)
     film = table[:, :pixels].reshape(-1, height, width)
@@ -260,6 +270,20 @@ def _check_range(numbers: Sums) -> None:
     # With a NaN inside, minimum and maximum are NaN, and compare false.
     if not (numbers.min() >= 0.0 and numbers.max() < _BEYOND_PHYSICS):
         raise RefusedResult("sums that are negative, not finite or beyond all physics")
+
+
+def _check_further(further: Sums, products: Sums, signed: Sequence[bool]) -> None:
+    """The same of further responses and of tiles' products, some of which may be negative."""
+    if not any(signed):
+        _check_range(further)
+        _check_range(products)
+        return
+    values = np.array([False] * len("XYZ") + [*signed])
+    first, second = (np.array(factors) for factors in factors_of_tile(len(signed)))
+    mixed = (values[first] | values[second]) & (first != second)
+    negative = np.concatenate([values[len("XYZ") :], np.zeros(len(signed), dtype=bool)])
+    _check_range(np.where(negative, np.abs(further), further))
+    _check_range(np.where(mixed, np.abs(products), products))
 
 
 def _check_counts(partial: job_pb2.Partial, photons: int) -> None:

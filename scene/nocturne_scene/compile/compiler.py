@@ -21,6 +21,7 @@ from nocturne_scene.compile.lights import Lights
 from nocturne_scene.compile.media import Media
 from nocturne_scene.compile.origin import frame_of
 from nocturne_scene.compile.output import CompiledOutput, blobs_named_in
+from nocturne_scene.compile.polarisation import depolarising, is_polarised
 from nocturne_scene.compile.ray_files import compile_ray_files
 from nocturne_scene.compile.sensors import compile_sensor
 from nocturne_scene.compile.shapes import Shapes
@@ -45,7 +46,7 @@ from nocturne_scene.render_warnings import RenderWarning, from_messages, of_scen
 # that of scenes whose sensor tells parts of the light, the third of those with a forward_ratio, the
 # fourth of those whose photons are guided, the fifth of those with other wavelengths than 360 to 830 nm, the
 # sixth of those whose photons know the visible sky, the seventh of those whose responses tell light groups
-# apart, or that have rays of files.
+# apart, or that have rays of files, the eighth of those whose responses tell how light is polarised.
 (
     FORMAT,
     FORMAT_WITH_PARTS,
@@ -54,7 +55,8 @@ from nocturne_scene.render_warnings import RenderWarning, from_messages, of_scen
     FORMAT_WITH_RANGE,
     FORMAT_WITH_SKY,
     FORMAT_WITH_LIGHT_GROUPS,
-) = range(3, 10)
+    FORMAT_WITH_STOKES,
+) = range(3, 11)
 
 
 def compile_scene(document: SceneDocument, blobs: BlobStore, film: Film | None = None) -> CompiledOutput:
@@ -150,6 +152,7 @@ def _message(workspace: Workspace, film: Film | None) -> tuple[scene_pb2.Compile
         message.rgb_table.CopyFrom(textures.rgb_table)
     workspace.report_unused()
     workspace.warnings.extend(warnings_of(workspace, shapes, film))
+    workspace.warnings.extend(depolarising(message, workspace.kernels.messages))
     # Photons leave a film in directions that are chosen, too.
     from_film = workspace.document.sensor.type in ("irradiance_meter", "meters")
     return message, from_film or kernels.scatters() or media.scatters()
@@ -183,6 +186,8 @@ def _put_tracing(
         message.format = FORMAT_WITH_SKY
     if workspace.light_groups.names or message.ray_sets:
         message.format = FORMAT_WITH_LIGHT_GROUPS
+    if any(response.stokes for response in message.sensor.further_responses):
+        message.format = FORMAT_WITH_STOKES
 
 
 def _glows(message: scene_pb2.CompiledScene) -> bool:
@@ -197,10 +202,9 @@ def _refuse_photons_of_luminaires(workspace: Workspace, message: scene_pb2.Compi
     """Where they would not bring all light, or bring it wrong."""
     meter = workspace.document.sensor.type in MET_BY_PHOTONS
     if fluoresces(workspace.kernels.messages):
-        _refuse_photons(workspace, "photons from luminaires do not fluoresce", "forward", "both")
-        if workspace.document.tracing.sharing not in ("auto", 1):
-            told = "pixels whose photons fluoresce can't share them; expected 1"
-            workspace.problems.append(Problem("$.tracing.sharing", told))
+        _refuse_all_but_plain(workspace, "fluoresce")
+    if is_polarised(message, workspace.kernels.messages):
+        _refuse_all_but_plain(workspace, "know how light is polarised")
     if has_sky(message) and message.unbounded_interiors:
         # They start on a ball around the scene, and would not know what media weaken or scatter before that.
         told = "photons of distant light can't start in unbounded media"
@@ -216,6 +220,14 @@ def _refuse_photons_of_luminaires(workspace: Workspace, message: scene_pb2.Compi
         # from the light, none comes. A meter that looks over such a floor at a low angle read a fifth less.
         told = "photons from luminaires do not know from where a normal map or a bump map is looked at"
         _refuse_photons(workspace, told, "forward")
+
+
+def _refuse_all_but_plain(workspace: Workspace, what: str) -> None:
+    """Of photons that do what only those from the sensor can, each for itself."""
+    _refuse_photons(workspace, f"photons from luminaires do not {what}", "forward", "both")
+    if workspace.document.tracing.sharing not in ("auto", 1):
+        told = f"pixels whose photons {what} can't share them; expected 1"
+        workspace.problems.append(Problem("$.tracing.sharing", told))
 
 
 def _refuse_photons(workspace: Workspace, told: str, *directions: str) -> None:

@@ -11,6 +11,7 @@ from nocturne_scene.compile.films import compile_glazing, compile_layers
 from nocturne_scene.compile.fluorescence import compile_fluorescent
 from nocturne_scene.compile.indices import AnyIndex, compile_complex, compile_index
 from nocturne_scene.compile.measured import compile_measured
+from nocturne_scene.compile.polarisation import compile_filter
 from nocturne_scene.compile.textures import Textures
 from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document.kernels import (
@@ -24,7 +25,9 @@ from nocturne_scene.document.kernels import (
     Measured,
     NullKernel,
     Phong,
+    Polariser,
     Principled,
+    Retarder,
     RoughKernel,
     ThinPane,
 )
@@ -101,6 +104,8 @@ class Leaves:
             case Measured():
                 measured = scene_pb2.Measured(blob=compile_measured(self._workspace, kernel))
                 return Leaf(scene_pb2.Kernel(measured=measured))
+            case Polariser() | Retarder():
+                return Leaf(compile_filter(self._workspace, kernel))
             case NullKernel():
                 return Leaf(null_kernel())
         raise TypeError(f"{type(kernel).__name__} is no single kernel")

@@ -151,6 +151,8 @@ class Kernels:
             return pool.index_of(parts[0].kernel)
         if any(part.kernel.HasField("fluorescent") for part in parts):
             raise Unusable("a fluorescent surface can be no part of a blend or a mask")
+        if any(part.kernel.HasField("polarising_filter") for part in parts):
+            raise Unusable("a polariser or a retarder can be no part of a blend or a mask")
         blend = scene_pb2.Blend(
             parts=[
                 scene_pb2.Blend.Part(kernel=pool.index_of(part.kernel), factors=part.factors)

@@ -27,7 +27,7 @@ from nocturne_scene.document.sensors import (
 from nocturne_scene.film import Film
 from nocturne_scene.meshes.similarity import Similarity
 from nocturne_scene.quantities import measured_by, photometric_quantity_of
-from nocturne_scene.responses import COLOUR, LIGHT_PARTS, counts_light_groups
+from nocturne_scene.responses import COLOUR, LIGHT_PARTS, STOKES, counts_light_groups, stokes_channel
 from nocturne_scene.spectra import colour_basis, published
 from nocturne_scene.spectra.named_responses import RESPONSES
 from nocturne_scene.spectra.wavelength_range import WavelengthRange
@@ -84,6 +84,8 @@ def compile_sensor(workspace: Workspace, film: Film | None = None) -> scene_pb2.
         ],
         model=_MODELS[sensor.type],
     )
+    if getattr(sensor, "stokes", False):
+        message.further_responses.extend(_stokes_responses(message, sensor.light_parts))
     if sensor.measures is not None:
         measured = measured_by(photometric_quantity_of(message.model), sensor.measures)
         message.quantity.name = measured.name
@@ -166,6 +168,20 @@ def _part_responses(observer: NDArray[np.float32]) -> Iterator[scene_pb2.Respons
     for part, names in LIGHT_PARTS.items():
         for axis, name in enumerate(names):
             yield scene_pb2.Response(name=name, values=observer[:, axis].tolist(), light=light[part])
+
+
+def _stokes_responses(message: scene_pb2.Sensor, light_parts: bool) -> list[scene_pb2.Response]:
+    """S1, S2, S3 of X, Y, Z and of all further responses so far."""
+    if light_parts or any(each.HasField("light_group") for each in message.further_responses):
+        raise Unusable("can't be told of light groups, or of direct and indirect light", ".stokes")
+    observer = (message.response_x, message.response_y, message.response_z)
+    curves = [*zip("XYZ", observer, strict=True)]
+    curves += [(each.name, each.values) for each in message.further_responses]
+    return [
+        scene_pb2.Response(name=stokes_channel(layer, name), values=values, stokes=number)
+        for number, layer in enumerate(STOKES, start=1)
+        for name, values in curves
+    ]
 
 
 def _put_optics(message: scene_pb2.Sensor, sensor: Sensor) -> None:

@@ -17,6 +17,7 @@ from nocturne.v1 import scene_pb2
 
 from nocturne_scene.compile.environment import has_sky
 from nocturne_scene.compile.fluorescence import fluoresces
+from nocturne_scene.compile.polarisation import is_polarised
 from nocturne_scene.compile.trace_program import run_trace
 from nocturne_scene.compile.unmet import unmet_light, unmet_parts
 from nocturne_scene.document.checks import CAMERAS, MET_BY_PHOTONS
@@ -160,7 +161,8 @@ def open_ways(
         and scene.HasField("environment")
     ):
         names.append(SKY)
-    may_share = connects and not _is_points(document) and not fluoresces(scene.kernels)
+    plain = fluoresces(scene.kernels) or is_polarised(scene, [*scene.kernels])
+    may_share = connects and not _is_points(document) and not plain
     if tracing.sharing == "auto" and may_share and asked.direction != "forward":
         names.append("sharing")
     return OpenWays(names, default, asked)
@@ -171,7 +173,7 @@ def _is_points(document: SceneDocument) -> bool:
     return document.sensor.type == "meters"
 
 
-_SPREAD = {"lambertian", "fluorescent", "diffuse_transmitter", "null_kernel", "blend"}
+_SPREAD = {"lambertian", "fluorescent", "diffuse_transmitter", "null_kernel", "polarising_filter", "blend"}
 """Kernels that send light to all sides, or on as if nothing were there, and mixtures of others."""
 
 

@@ -31,6 +31,9 @@ MAX_WAVELENGTH = 100_000.0
 
 # Knots of one table: ten per nanometre of the visible range, rounded up.
 TABLE_KNOTS = 10_000
+# Of a wave plate: a hundred orders.
+RETARDANCE_NM = 1e5
+
 # Of a re-radiation matrix, in each direction, and fluorophores of a surface.
 RERADIATION_KNOTS = 200
 FLUOROPHORES = 4

@@ -12,6 +12,7 @@ from nocturne_scene.document.kernels import (
     Kernel,
     Lambertian,
     Phong,
+    Polariser,
     Principled,
     ThinPane,
     inner_kernels,
@@ -109,6 +110,8 @@ def _reflectances(kernel: Kernel) -> list[tuple[str, Reference | ColourTexture]]
             return [("reflectance", kernel.reflectance), ("transmittance", kernel.transmittance)]
         case ThinPane():
             return [("transmittance", kernel.transmittance)]
+        case Polariser():
+            return [("transmittance", kernel.transmittance), ("leakage", kernel.leakage)]
         case Glazing():
             return [
                 each for index, pane in enumerate(kernel.panes) for each in _of_pane(pane, f"panes[{index}]")

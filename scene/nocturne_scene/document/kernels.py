@@ -5,11 +5,12 @@ from typing import Annotated, Literal, Self
 from pydantic import AfterValidator, Field, ValidationInfo, model_validator
 
 from nocturne_scene.document import bounds
-from nocturne_scene.document.fields import AssetReference, Finite
+from nocturne_scene.document.fields import AssetReference, Finite, Vector
 from nocturne_scene.document.films import Layers, Pane
 from nocturne_scene.document.fluorescence import Fluorescence
 from nocturne_scene.document.indices import ComplexIndexReference, IndexReference
 from nocturne_scene.document.node import ByType, Node, problem_at
+from nocturne_scene.document.shapes import length
 from nocturne_scene.document.spectra import SpectrumReference, known_name
 from nocturne_scene.document.textures import ColourReference, ScalarReference
 
@@ -225,6 +226,56 @@ class TwoSided(Node):
     back: "KernelReference" = Field(description="For light on the other side.")
 
 
+class Polariser(Node):
+    """A thin sheet that lets light through that is polarised along its axis, and no other.
+
+    The axis is a direction in the scene, also of surfaces in groups; what counts is its part across the ray.
+    """
+
+    type: Literal["polariser"]
+    axis: Vector = Field(description="Of the electric field that goes through.")
+    transmittance: SpectrumReference = Field(
+        default=1.0, description="Of light that is polarised along the axis, in [0, 1]."
+    )
+    leakage: SpectrumReference = Field(
+        default=0.0, description="Transmittance of light that is polarised across it, in [0, 1]."
+    )
+
+    @model_validator(mode="after")
+    def _has_axis(self) -> Self:
+        _check_axis(self.axis)
+        return self
+
+
+class Retarder(Node):
+    """A clear thin sheet in which light that is polarised across its fast axis falls behind: a wave plate.
+
+    The axis is a direction in the scene, also of surfaces in groups; what counts is its part across the ray.
+    """
+
+    type: Literal["retarder"]
+    axis: Vector = Field(description="The fast one.")
+    retardance_nm: Annotated[Finite, Field(ge=0, le=bounds.RETARDANCE_NM)] | None = Field(
+        default=None,
+        description="By how much it falls behind, nm: a quarter of the wavelength makes circular light.",
+    )
+    retardance_degrees: Annotated[Finite, Field(ge=0, le=360)] | None = Field(
+        default=None, description="The same as a phase, at all wavelengths, instead of `retardance_nm`."
+    )
+
+    @model_validator(mode="after")
+    def _has_axis(self) -> Self:
+        if (self.retardance_nm is None) == (self.retardance_degrees is None):
+            raise problem_at("", "expected either retardance_nm or retardance_degrees")
+        _check_axis(self.axis)
+        return self
+
+
+def _check_axis(axis: tuple[float, float, float]) -> None:
+    if length(axis) < bounds.MIN_LENGTH:
+        raise problem_at(".axis", "axis has no length")
+
+
 class NullKernel(Node):
     """Nothing: light goes straight through. For shapes that only emit."""
 
@@ -246,6 +297,8 @@ Kernel = (
     | Phong
     | Principled
     | Measured
+    | Polariser
+    | Retarder
     | Blend
     | Mask
     | TwoSided

@@ -66,6 +66,8 @@ _ORDER = (
     "Phong",
     "Principled",
     "Measured",
+    "Polariser",
+    "Retarder",
     "Blend",
     "Mask",
     "TwoSided",

@@ -87,6 +87,8 @@ class Shown {
     }
     add("molecules", Phase{Spectrum(0.0f), line(4.0f, 1.0f), RayleighPhase(std::nullopt)});
     add("fluorescent", Fluorescent{Colour(line(0.2f, 0.5f)), {}});
+    add("filter",
+        PolarisingFilter{line(0.9f, 0.7f), line(0.1f, 0.0f), line(1.0f, 2.0f), {0, 0, 1}});
     // Lambertian, conductor 0.1, smooth glass and the null kernel.
     const auto glass = static_cast<std::uint32_t>(find("smooth glass"));
     for (const auto& [u, v] : {std::pair{0.05f, 0.05f}, {0.5f, 0.5f}, {1.0f, 0.1f}}) {

@@ -80,6 +80,25 @@ v1::Fluorescent::Fluorophore& add_fluorophore(v1::CompiledScene& message) {
   return added;
 }
 
+v1::PolarisingFilter& add_filter(v1::CompiledScene& message) {
+  auto& filter = *message.mutable_kernels(0)->mutable_polarising_filter();
+  filter.set_along(add_spectrum(message, 1.0f));
+  filter.set_across(add_spectrum(message, 0.0f));
+  filter.set_retardance(filter.across());
+  filter.mutable_axis()->set_x(1.0);
+  return filter;
+}
+
+TEST(LoadScene, KnowsPolarisationWhereAFilterIsOrTheSensorAsks) {
+  test::SceneBuilder builder = good_scene();
+  EXPECT_FALSE(builder.load()->polarised);
+  add_counted_group(builder.message).set_stokes(2);
+  EXPECT_TRUE(builder.load()->polarised);
+  builder.message.mutable_sensor()->clear_further_responses();
+  add_filter(builder.message);
+  EXPECT_TRUE(builder.load()->polarised);
+}
+
 TEST(LoadScene, TakesFluorescenceOfPhotonsFromTheSensor) {
   test::SceneBuilder builder = good_scene();
   add_fluorophore(builder.message);
@@ -136,6 +155,19 @@ TEST(LoadScene, RefusesDamagedMessagesInWords) {
          auto& medium = *m.add_media();
          medium.mutable_phase()->mutable_henyey_greenstein()->set_g(0.0);
          medium.set_constant(-1.0);
+       }},
+      {"axis", [](auto& m) { add_filter(m).mutable_axis()->set_x(2.0); }},
+      {"more than all", [](auto& m) { add_filter(m).set_along(add_spectrum(m, 1.5f)); }},
+      {"polarised light where",
+       [](auto& m) {
+         add_filter(m);
+         m.mutable_tracing()->set_sharing(16);
+       }},
+      {"Stokes", [](auto& m) { add_counted_group(m).set_stokes(4); }},
+      {"polarised light and to parts",
+       [](auto& m) {
+         add_counted_group(m).set_stokes(1);
+         add_counted_group(m).set_light(v1::LIGHT_PART_DIRECT);
        }},
       {"no fluorophore", [](auto& m) { m.mutable_kernels(0)->mutable_fluorescent(); }},
       {"fluorescence where",

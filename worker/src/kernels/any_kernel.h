@@ -13,12 +13,13 @@
 #include "kernels/blend.h"
 #include "kernels/fluorescent.h"
 #include "kernels/phase.h"
+#include "kernels/polarising_filter.h"
 
 namespace nocturne {
 
-using AnyKernel =
-    std::variant<Lambertian, DiffuseTransmitter, Conductor, Dielectric, ThinPane, CoatedDiffuse,
-                 Measured, Phong, Principled, Glazing, NullKernel, Blend, Phase, Fluorescent>;
+using AnyKernel = std::variant<Lambertian, DiffuseTransmitter, Conductor, Dielectric, ThinPane,
+                               CoatedDiffuse, Measured, Phong, Principled, Glazing, NullKernel,
+                               Blend, Phase, Fluorescent, PolarisingFilter>;
 
 /// Whether f(kernel) holds for the kernel at `index`, or for any part of it where it is a blend.
 template <class F>
@@ -57,6 +58,9 @@ inline void check_blends(const std::vector<AnyKernel>& kernels) {
       }
       if (std::holds_alternative<Fluorescent>(kernels[part.kernel])) {
         throw std::invalid_argument("a blend of a fluorescent kernel");
+      }
+      if (std::holds_alternative<PolarisingFilter>(kernels[part.kernel])) {
+        throw std::invalid_argument("a blend of a polarising filter");
       }
     }
   }

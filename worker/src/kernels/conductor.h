@@ -10,6 +10,7 @@
 
 #include "kernels/fresnel.h"
 #include "kernels/kernel.h"
+#include "kernels/mueller.h"
 #include "kernels/roughness.h"
 #include "kernels/thin_film.h"
 #include "spectrum/spectrum.h"
@@ -50,6 +51,16 @@ struct BoundConductor {
 
   bool smooth() const { return !roughness.smooth; }
   static constexpr bool transmits() { return false; }
+
+  Mueller<N> mueller(Vec3 wo, Vec3 wi) const {
+    const float cosine = roughness.smooth ? wo.z : dot(wo, half_vector(wo, wi));
+    Mueller<N> found;
+    for (std::size_t i = 0; i < N; ++i) {
+      const auto by = film.amplitudes(std::clamp(cosine, 0.0f, 1.0f), i, n[i], k[i]);
+      found.set(i, by.s.reflected, by.p.reflected);
+    }
+    return found;
+  }
 
  private:
   Spectral<N> fresnel(float cosine) const {

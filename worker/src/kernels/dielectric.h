@@ -15,6 +15,7 @@
 
 #include "kernels/fresnel.h"
 #include "kernels/kernel.h"
+#include "kernels/mueller.h"
 #include "kernels/roughness.h"
 #include "kernels/thin_film.h"
 
@@ -81,6 +82,28 @@ struct BoundDielectric {
     return !roughness.smooth && those([&](float r) { return !passes(r); }) != 0u;
   }
   bool transmits() const { return smooth(); }
+
+  /// Each photon for itself: what is refracted has the facet of its own index.
+  Mueller<N> mueller(Vec3 wo, Vec3 wi) const {
+    const bool reflects = wi.z > 0.0f;
+    Mueller<N> found;
+    for (std::size_t i = 0; i < N; ++i) {
+      if (passes(ratio[i])) {
+        found.keep(i);
+        continue;
+      }
+      const float cosine = roughness.smooth ? wo.z
+                           : reflects       ? dot(wo, half_vector(wo, wi))
+                                            : dot(wo, half_vector(wo, wi, ratio[i]));
+      const auto by = film.amplitudes(std::clamp(cosine, 0.0f, 1.0f), i, ratio[i]);
+      if (reflects) {
+        found.set(i, by.s.reflected, by.p.reflected);
+      } else {
+        found.set(i, by.s.transmitted, by.p.transmitted);
+      }
+    }
+    return found;
+  }
 
  private:
   /// Of a wavelength: the probability of being mirrored, and the share that layers don't absorb.

@@ -2,7 +2,7 @@
 // mask.
 #pragma once
 
-#include "kernels/kernel.h"
+#include "kernels/mueller.h"
 
 namespace nocturne {
 
@@ -14,6 +14,7 @@ struct BoundNullKernel {
     return Draw<N>{.wi = -wo, .delta = true};
   }
   static Spectral<N> pdf(Vec3, Vec3) { return 0.0f; }
+  static Mueller<N> mueller(Vec3, Vec3) { return Mueller<N>::unchanged(); }
   static constexpr bool smooth() { return false; }
   static constexpr bool transmits() { return false; }
 };

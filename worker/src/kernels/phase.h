@@ -64,6 +64,12 @@ class BoundPhase {
   static constexpr bool smooth() { return true; }
   static constexpr bool transmits() { return true; }
 
+  /// Of Rayleigh's alone; others depolarise.
+  Mueller<N> mueller(Vec3 wo, Vec3 wi) const {
+    const auto* rayleigh = std::get_if<BoundRayleigh<N>>(&shape_);
+    return rayleigh != nullptr ? rayleigh->mueller(ScatteringAngle::between(wo, wi)) : Mueller<N>{};
+  }
+
  private:
   Spectral<N> albedo_;
   Shape shape_;

@@ -1,4 +1,4 @@
-// Scattering of unpolarised light by molecules: 3 / (16 pi (1 + 2 gamma)) x (1 + 3 gamma + (1 -
+// Scattering by molecules, of unpolarised light: 3 / (16 pi (1 + 2 gamma)) x (1 + 3 gamma + (1 -
 // gamma) cos^2), gamma = depolarisation / (2 - depolarisation). Bucholtz, "Rayleigh-scattering
 // calculations for the terrestrial atmosphere", Applied Optics 34(15), 1995, equations 12 and 13,
 // after Chandrasekhar, Radiative Transfer, 1950.
@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "kernels/kernel.h"
+#include "kernels/mueller.h"
 #include "kernels/scattering_angle.h"
 #include "math/functions.h"
 #include "spectrum/spectrum.h"
@@ -29,6 +30,21 @@ struct BoundRayleigh {
   }
   float mean_density(const ScatteringAngle& angle) const {
     return density(mean_share, static_cast<float>(angle.cosine()));
+  }
+  /// Hansen and Travis, "Light scattering in planetary atmospheres", Space Science Reviews 16,
+  /// 1974, equations 2.15 and 2.16; the direction is across the plane of scattering.
+  Mueller<N> mueller(const ScatteringAngle& angle) const {
+    const float cosine = static_cast<float>(angle.cosine());
+    const Spectral<N> even = Spectral<N>(1.0f) - share, three = 3.0f * share;
+    const Spectral<N> inverse = Spectral<N>(1.0f) / (even + cosine * cosine * three);
+    const Spectral<N> part = three * inverse;
+    Mueller<N> found;
+    found.b = (1.0f - cosine) * (1.0f + cosine) * part;
+    found.a = (1.0f + cosine * cosine) * part;
+    found.c = 2.0f * cosine * part;
+    // delta = (1 - 4 share) / (1 + 2 share); (1 - 2 delta) / (1 - delta)
+    found.d = found.c * each([](float s) { return (10.0f * s - 1.0f) / (6.0f * s); }, share);
+    return found;
   }
   /// By inversion: the real root of share c^3 + (1 - share) c = 2 u - 1, by Viete's hyperbolic
   /// form.

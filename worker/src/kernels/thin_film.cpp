@@ -110,15 +110,28 @@ ThinFilm::ThinFilm(std::vector<Layer> layers) : layers_(std::move(layers)) {
 
 ThinFilm ThinFilm::reversed() const { return ThinFilm({layers_.rbegin(), layers_.rend()}); }
 
-PolarisedShares ThinFilm::shares(double cosine, double from, Complex to, float wavelength,
-                                 bool in_reverse) const {
+template <class F>
+auto ThinFilm::with_layers(float wavelength, bool in_reverse, const F& f) const {
   std::array<FilmLayer, kMaxLayers> layers;
   for (std::size_t i = 0; i < layers_.size(); ++i) {
     const Layer& layer = layers_[in_reverse ? layers_.size() - 1 - i : i];
     layers[i] = {{layer.n(wavelength), layer.k(wavelength)}, layer.thickness};
   }
-  return film_shares(std::clamp(cosine, 0.0, 1.0), from, std::span(layers).first(layers_.size()),
-                     to, wavelength);
+  return f(std::span<const FilmLayer>(layers).first(layers_.size()));
+}
+
+PolarisedAmplitudes ThinFilm::amplitudes(double cosine, double from, Complex to,
+                                         float wavelength) const {
+  return with_layers(wavelength, false, [&](std::span<const FilmLayer> layers) {
+    return film_amplitudes(std::clamp(cosine, 0.0, 1.0), from, layers, to, wavelength);
+  });
+}
+
+PolarisedShares ThinFilm::shares(double cosine, double from, Complex to, float wavelength,
+                                 bool in_reverse) const {
+  return with_layers(wavelength, in_reverse, [&](std::span<const FilmLayer> layers) {
+    return film_shares(std::clamp(cosine, 0.0, 1.0), from, layers, to, wavelength);
+  });
 }
 
 }  // namespace nocturne

@@ -89,11 +89,17 @@ class ThinFilm {
   bool empty() const { return layers_.empty(); }
   ThinFilm reversed() const;
 
+  /// Of light that meets the layers in their order.
+  PolarisedAmplitudes amplitudes(double cosine, double from, Complex to, float wavelength) const;
   /// Of light that meets the layers in their order, or in reverse.
   PolarisedShares shares(double cosine, double from, Complex to, float wavelength,
                          bool in_reverse = false) const;
 
  private:
+  // f(layers at this wavelength).
+  template <class F>
+  auto with_layers(float wavelength, bool in_reverse, const F& f) const;
+
   std::vector<Layer> layers_;
 };
 
@@ -111,6 +117,12 @@ struct BoundThinFilm {
   Shares operator()(double cosine, std::size_t lane, double n, double k = 0.0) const {
     const auto from = static_cast<double>(index_from[lane]);
     return film->shares(cosine, from, {n * from, k * from}, wavelengths[lane]).unpolarised();
+  }
+  /// Of fields, also where there is no film.
+  PolarisedAmplitudes amplitudes(double cosine, std::size_t lane, double n, double k = 0.0) const {
+    if (film == nullptr) return film_amplitudes(cosine, 1.0, {}, {n, k}, 1.0);
+    const auto from = static_cast<double>(index_from[lane]);
+    return film->amplitudes(cosine, from, {n * from, k * from}, wavelengths[lane]);
   }
 };
 

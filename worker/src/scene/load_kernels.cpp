@@ -5,7 +5,7 @@
 #include <unordered_map>
 
 #include "scene/blob_file.h"
-#include "scene/load_fluorophore.h"
+#include "scene/load_special_kernels.h"
 #include "scene/load_textures.h"
 
 namespace nocturne {
@@ -58,7 +58,9 @@ class KernelLoader {
       case v1::Kernel::kNullKernel:
         return NullKernel{};
       case v1::Kernel::kFluorescent:
-        return fluorescent(message.fluorescent());
+        return load_fluorescent(context_, message.fluorescent());
+      case v1::Kernel::kPolarisingFilter:
+        return load_filter(context_, message.polarising_filter());
       case v1::Kernel::kBlend:
         return blend(message.blend());
       case v1::Kernel::MODEL_NOT_SET:
@@ -69,16 +71,6 @@ class KernelLoader {
 
  private:
   Colour colour(const v1::Colour& message) const { return load_colour(context_, message, 1.0f); }
-
-  Fluorescent fluorescent(const v1::Fluorescent& message) const {
-    constexpr int kMaxFluorophores = 1000;
-    require(message.fluorophores_size() >= 1 && message.fluorophores_size() <= kMaxFluorophores,
-            "a fluorescent kernel of no fluorophore, or of more than 1000");
-    Fluorescent kernel{colour(message.reflectance()), {}};
-    for (const auto& each : message.fluorophores())
-      kernel.fluorophores.push_back(load_fluorophore(context_, each));
-    return kernel;
-  }
 
   Roughness roughness(const v1::Roughness& message) const {
     return {load_scalar(context_, message.alpha_u(), 0.0, 1.0),

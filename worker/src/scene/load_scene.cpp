@@ -12,6 +12,7 @@
 #include "scene/load_lights.h"
 #include "scene/load_media.h"
 #include "scene/load_sensor.h"
+#include "scene/load_special_kernels.h"
 #include "scene/load_surfaces.h"
 #include "scene/load_textures.h"
 #include "scene/sensor_extents.h"
@@ -20,7 +21,7 @@ namespace nocturne {
 namespace {
 
 /// Of scenes whose responses count parts of the light, which programs before it would not see.
-constexpr std::uint32_t kFormat = 3, kFormatWithRange = 7, kLatestFormat = 9;
+constexpr std::uint32_t kFormat = 3, kFormatWithRange = 7, kLatestFormat = 10;
 // nm, where a scene's wavelengths may lie.
 constexpr double kShortest = 200.0, kLongest = 2500.0;
 // Of one spectrum, so that a scene's size says how much work it makes.
@@ -158,14 +159,6 @@ TracingOptions load_tracing(const v1::Tracing& t, bool no_lights) {
       t.seed()};
 }
 
-// Photons from luminaires keep their wavelengths, and neighbours share those of a block.
-void check_fluorescence(const std::vector<AnyKernel>& kernels, const TracingOptions& options) {
-  const bool fluoresces = std::ranges::any_of(
-      kernels, [](const AnyKernel& kernel) { return std::holds_alternative<Fluorescent>(kernel); });
-  require(!fluoresces || (options.direction == Direction::kAdjoint && options.sharing == 1),
-          "fluorescence where photons start from luminaires or share");
-}
-
 // Of a lamp's intensity, photons start around it.
 Vec3 sensor_start(const v1::Sensor& s) {
   const Vec3 position = vector(s.position(), "the sensor's position");
@@ -269,7 +262,8 @@ std::shared_ptr<Scene> load_scene(const v1::CompiledScene& message, const FindBl
     go_on_unless_stopped(stop);
     auto lights = load_light_directions(context, luminaires, geometry, loaded.groups);
     const TracingOptions options = load_tracing(message.tracing(), lights.empty());
-    check_fluorescence(kernels, options);
+    const bool polarised = is_polarised(message.sensor(), kernels);
+    check_special_kernels(kernels, polarised, options);
     auto sensor = load_sensor(message.sensor());
     const Bodies bodies{geometry, materials, medium_interfaces, everywhere};
     const SensorSurroundings sensor_around =
@@ -328,7 +322,9 @@ std::shared_ptr<Scene> load_scene(const v1::CompiledScene& message, const FindBl
                                             all_in_fog,
                                             std::move(specular_like),
                                             has_mirrors,
-                                            near_ends});
+                                            near_ends,
+                                            {},
+                                            polarised});
   });
 }
 

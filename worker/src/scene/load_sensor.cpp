@@ -1,5 +1,6 @@
 #include "scene/load_sensor.h"
 
+#include <algorithm>
 #include <numbers>
 
 #include "math/functions.h"
@@ -134,6 +135,12 @@ LightPart light_part(v1::LightPart part) {
 }
 
 CountedLight counted_light(const v1::Response& response) {
+  if (response.stokes() != 0) {
+    require(response.stokes() <= 3, "a number of the Stokes vector beyond 3");
+    require(!response.has_light_group() && response.light() == v1::LIGHT_PART_WHOLE,
+            "a response to polarised light of a part");
+    return {LightPart::kWhole, response.stokes() - 1, true};
+  }
   if (!response.has_light_group()) return {light_part(response.light())};
   require(response.light() == v1::LIGHT_PART_WHOLE,
           "a response to a part of the light of a light group");
@@ -158,6 +165,10 @@ WavelengthSampler load_wavelengths(const v1::Sensor& s) {
     curves.further.push_back(curve(further.values()));
     curves.counted.push_back(counted_light(further));
   }
+  const auto some = [&](const auto& f) { return std::ranges::any_of(curves.counted, f); };
+  require(!some(&CountedLight::stokes) ||
+              !some([](const CountedLight& light) { return !light.all() && !light.stokes; }),
+          "responses to polarised light and to parts of the light");
   return checked([&] {
     if (s.wavelength_knots_size() > 0 || s.wavelength_density_size() > 0) {
       return WavelengthSampler(curves, load_density(s));

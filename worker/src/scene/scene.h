@@ -91,6 +91,8 @@ struct Scene {
   float near_ends = 0.0f;
   /// For a pilot that counts the lamps that photons nearly meet.
   WidenedLamps widened_lamps = {};
+  /// Photons know how light is polarised: a filter is there, or the sensor asks.
+  bool polarised = false;
 
   bool has_distant_light() const { return lights.environment() || !lights.discs().empty(); }
 

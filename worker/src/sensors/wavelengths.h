@@ -20,6 +20,8 @@ enum class LightPart { kWhole, kDirect, kIndirect };
 struct CountedLight {
   LightPart part = LightPart::kWhole;
   std::optional<std::uint32_t> group = std::nullopt;
+  /// Group i is S(i + 1) of the Stokes vector.
+  bool stokes = false;
 
   bool all() const { return part == LightPart::kWhole && !group; }
 };
@@ -93,7 +95,8 @@ class WavelengthSampler {
   const CountedLight& light(std::size_t curve) const { return counted_[curve]; }
   /// Whether any curve counts direct or indirect light only.
   bool tells_parts() const { return tells_parts_; }
-  /// One more than the largest light group that any curve counts; 0: none asks.
+  /// One more than the largest light group, or 3 of Stokes vectors, that any curve counts; 0: none
+  /// asks.
   std::uint32_t light_groups() const { return light_groups_; }
 
   /// The same as `weight` for a further curve.

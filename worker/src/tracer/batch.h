@@ -10,6 +10,7 @@
 #include "tracer/kernel_order.h"
 #include "tracer/media/free_flight.h"
 #include "tracer/sharing/sharing.h"
+#include "tracer/vertex/polarisation.h"
 #include "tracer/vertex/vertex.h"
 
 namespace nocturne {
@@ -112,6 +113,7 @@ template <int N, class Estimator, bool Media>
 struct Batch {
   static constexpr Transport kTransport = Estimator::kTransport;
   static constexpr bool kAdjoint = kTransport == Transport::kAdjoint;
+  static constexpr bool kPolarised = requires { requires Estimator::kPolarised; };
   static constexpr bool kToCamera = requires(Estimator & e, BatchSample<N> sample, Vec3 place) {
     e.connect(sample, place, 0.0f, 0.0f);
   };
@@ -147,13 +149,29 @@ struct Batch {
   const BatchSample<N>& sample_of(const Group<N>& group) const { return samples[group.sample]; }
   /// The group's photons have other wavelengths from now on. What `samples` held has moved.
   void change_wavelengths(Group<N>& group, const Spectral<N>& wavelengths) {
-    BatchSample<N> other = sample_of(group);
+    const std::uint32_t before = group.sample;
+    BatchSample<N> other = samples[before];
     other.wavelengths = wavelengths;
     group.sample = static_cast<std::uint32_t>(samples.size());
     samples.push_back(other);
     if constexpr (Media) flights.emplace_back(scene, wavelengths, limits);
+    if constexpr (kPolarised) {
+      Polarisation<N> same = estimator.polarisations()[before];
+      same.flight = static_cast<std::uint32_t>(flights.size()) - 1;
+      estimator.polarisations().push_back(same);
+    }
   }
-  FreeFlight<N>& flight_of(const Group<N>& group) { return flights[group.sample]; }
+  /// Light is polarised otherwise from now on.
+  void change_polarisation(Group<N>& group, const Polarisation<N>& polarisation) {
+    const BatchSample<N> same = sample_of(group);
+    group.sample = static_cast<std::uint32_t>(samples.size());
+    samples.push_back(same);
+    estimator.polarisations().push_back(polarisation);
+  }
+  FreeFlight<N>& flight_of(const Group<N>& group) {
+    if constexpr (kPolarised) return flights[estimator.polarisations()[group.sample].flight];
+    return flights[group.sample];
+  }
   bool is_medium(const Hit& hit) const {
     if constexpr (Media) return scene.is_medium(hit.surface);
     return false;

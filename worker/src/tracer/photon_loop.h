@@ -60,6 +60,11 @@ void start(Batch<N, Estimator, Media>& batch, const Start<N>& from,
   sample.flux = from.flux;
   sample.light_group = from.light_group;
   if constexpr (Media) batch.flights.emplace_back(batch.scene, from.wavelengths, batch.limits);
+  if constexpr (Batch<N, Estimator, Media>::kPolarised) {
+    const Vec3 up = batch.scene.sensor.motion().at(from.time).up;
+    batch.estimator.polarisations().push_back(
+        Polarisation<N>::at_sensor(across_both(from.ray.direction, up), number));
+  }
   if (!(largest(from.flux) > 0.0f)) return;  // nothing was emitted
   Group<N>& group = batch.groups.emplace_back(from, sequence);
   group.sample = group.tally = number;

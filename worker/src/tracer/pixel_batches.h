@@ -21,8 +21,9 @@ struct PixelIndex {
   bool leads = true;
 };
 
-/// N is 1 or 4; Media says whether the scene has any.
-template <int N, bool Media>
+/// N is 1 or 4; Media says whether the scene has any, and Polarised, whether photons know how light
+/// is polarised: then as if there were media.
+template <int N, bool Media, bool Polarised = false>
 class PixelBatches {
  public:
   /// Traces up to `most` samples at once.
@@ -40,8 +41,8 @@ class PixelBatches {
   const Scene& scene_;
   const Film film_;
   const SmallLights small_lights_;
-  RadianceEstimator<N> estimator_;
-  Batch<N, RadianceEstimator<N>, Media> batch_;
+  RadianceEstimator<N, Polarised> estimator_;
+  Batch<N, RadianceEstimator<N, Polarised>, Media> batch_;
   std::vector<PixelSample<N>> samples_;
   /// Of the pixels of the batch, and which these are.
   std::vector<PixelSequence> sequences_;

@@ -39,8 +39,10 @@ class Response {
     for (std::size_t c = 0; c < 3; ++c) values[c] += scale * mean(wavelengths_.weight[c], kept);
     for (std::size_t c = 0; c < sampler_.further_curves(); ++c) {
       const CountedLight& light = sampler_.light(c);
-      const Spectral<N> counted = light.all() ? kept : part(light.part, kept, part_of(light));
-      if (!(largest(counted) > 0.0f)) continue;
+      const Spectral<N> counted = light.all()    ? kept
+                                  : light.stokes ? polarised(kept, part_of(light))
+                                                 : part(light.part, kept, part_of(light));
+      if (!light.stokes && !(largest(counted) > 0.0f)) continue;
       values[TileSums::kXyzValues + c] +=
           scale * mean(sampler_.further_weight(c, wavelengths_), counted);
     }
@@ -56,6 +58,13 @@ class Response {
           return which == LightPart::kIndirect ? all - found : found;
         },
         kept, known);
+  }
+
+  /// Of either sign; nothing of light that is left out.
+  static Spectral<N> polarised(const Spectral<N>& kept, const Spectral<N>& part) {
+    return each(
+        [](float all, float some) { return all > 0.0f ? std::clamp(some, -all, all) : 0.0f; }, kept,
+        part);
   }
 
   static double mean(const Spectral<N>& weight, const Spectral<N>& radiance) {

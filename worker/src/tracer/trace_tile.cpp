@@ -42,13 +42,13 @@ void for_each_sample(const TileRange& range, std::uint32_t sharing, const Begin&
 }
 
 /// Sums over the samples of a tile. A pixel's are added in their order, whatever the batches.
-template <int N, bool Media>
+template <int N, bool Media, bool Polarised = false>
 TileSums trace_pixels(const Scene& scene, Film film, const TileRange& range, std::uint32_t groups,
                       const std::stop_token& stop, SkySightings* sightings) {
   TileSums tile(range.width, range.height, scene.wavelengths.further_curves());
   BlockSamples blocks(tile, range.end_sample - range.first_sample);
   const std::uint32_t size = samples_in_batch(scene.options, groups);
-  PixelBatches<N, Media> batches(scene, film, size, stop);
+  PixelBatches<N, Media, Polarised> batches(scene, film, size, stop);
   if (sightings != nullptr) batches.keep_sightings(*sightings);
   std::vector<PixelIndex> samples;
   std::vector<double> values;
@@ -86,7 +86,8 @@ TileSums trace_tile(const Scene& scene, Film film, const TileRange& range,
   }
   const FlushDenormals flush;
   TileSums tile = by_kind_of(scene, [&]<int N, bool Media>() {
-    return trace_pixels<N, Media>(scene, film, range, batch_groups, stop, sightings);
+    const auto trace = scene.polarised ? &trace_pixels<N, true, true> : &trace_pixels<N, Media>;
+    return trace(scene, film, range, batch_groups, stop, sightings);
   });
   tile.photons = static_cast<std::uint64_t>(range.width) * range.height *
                  (range.end_sample - range.first_sample) * scene.options.group;

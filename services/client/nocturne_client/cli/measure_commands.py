@@ -100,6 +100,8 @@ def measure(
         typer.echo((one or found.csv).replace("\r\n", "\n"), nl=False)
     else:
         _print(found)
+        if file is not None:
+            _print_polarisation(file, found, channel)
 
 
 def glare(
@@ -234,6 +236,20 @@ def _print_colour(measured: Measurement) -> None:
     for each in measured.colour:
         value = _value(each.value, each.standard_error, 5)
         CONSOLE.print(f"  {each.name}: {value} {each.unit}".rstrip(), highlight=False)
+
+
+def _print_polarisation(file: Path, found: Measurements, channel: str) -> None:
+    from nocturne_client.local.measuring import polarisation_of_file
+
+    outlines = [each.outline for each in found.measurements]
+    for outline, each in zip(outlines, polarisation_of_file(file, outlines, channel), strict=False):
+        if each is not None:
+            low, high = each.degree_interval
+            CONSOLE.print(
+                f"{_name(outline)}: linearly polarised by {each.degree:.4g} ({low:.4g} to {high:.4g}), at "
+                f"{each.angle_degrees:.2f} +- {each.angle_error:.2g} degrees (95 %)",
+                highlight=False,
+            )
 
 
 def _print_histogram(measured: Measurement) -> None:

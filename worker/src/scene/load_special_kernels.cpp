@@ -1,7 +1,9 @@
-#include "scene/load_fluorophore.h"
+#include "scene/load_special_kernels.h"
 
 #include <algorithm>
 #include <vector>
+
+#include "scene/load_textures.h"
 
 namespace nocturne {
 namespace {
@@ -32,8 +34,6 @@ std::vector<float> knots_of(const v1::Spectrum& table, const v1::Sensor& sensor)
   return knots;
 }
 
-}  // namespace
-
 Fluorophore load_fluorophore(const LoadContext& context,
                              const v1::Fluorescent::Fluorophore& message) {
   const v1::Spectrum& table = without_lines(context, message.absorption());
@@ -51,6 +51,47 @@ Fluorophore load_fluorophore(const LoadContext& context,
   }
   return {absorption, context.spectrum(message.emission()), WavelengthDensity(knots, density),
           finite(excitation, "a fluorophore's absorption")};
+}
+
+template <class Kernel>
+bool has(const std::vector<AnyKernel>& kernels) {
+  return std::ranges::any_of(
+      kernels, [](const AnyKernel& kernel) { return std::holds_alternative<Kernel>(kernel); });
+}
+
+}  // namespace
+
+Fluorescent load_fluorescent(const LoadContext& context, const v1::Fluorescent& message) {
+  constexpr int kMaxFluorophores = 1000;
+  require(message.fluorophores_size() >= 1 && message.fluorophores_size() <= kMaxFluorophores,
+          "a fluorescent kernel of no fluorophore, or of more than 1000");
+  Fluorescent kernel{load_colour(context, message.reflectance(), 1.0f), {}};
+  for (const auto& each : message.fluorophores())
+    kernel.fluorophores.push_back(load_fluorophore(context, each));
+  return kernel;
+}
+
+PolarisingFilter load_filter(const LoadContext& context, const v1::PolarisingFilter& message) {
+  const Spectrum &along = context.spectrum(message.along()),
+                 &across = context.spectrum(message.across());
+  require(along.most() <= 1.0f && across.most() <= 1.0f, "a filter that transmits more than all");
+  const Vec3 axis = vector(message.axis(), "a filter's axis");
+  require(std::fabs(length(axis) - 1.0f) < 1e-3f, "a filter's axis that has not length 1");
+  return {along, across, context.spectrum(message.retardance()), normalized(axis)};
+}
+
+bool is_polarised(const v1::Sensor& sensor, const std::vector<AnyKernel>& kernels) {
+  return has<PolarisingFilter>(kernels) ||
+         std::ranges::any_of(sensor.further_responses(),
+                             [](const v1::Response& response) { return response.stokes() != 0; });
+}
+
+void check_special_kernels(const std::vector<AnyKernel>& kernels, bool polarised,
+                           const TracingOptions& options) {
+  const bool alone = options.direction == Direction::kAdjoint && options.sharing == 1;
+  require(alone || !has<Fluorescent>(kernels),
+          "fluorescence where photons start from luminaires or share");
+  require(alone || !polarised, "polarised light where photons start from luminaires or share");
 }
 
 }  // namespace nocturne

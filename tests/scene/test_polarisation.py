@@ -1,0 +1,91 @@
+"""Stokes channels and filters are compiled, and refused where photons don't know of polarisation."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+from nocturne_scene.blobs import BlobStore
+from nocturne_scene.compile import spectra
+from nocturne_scene.compile.compiler import compile_scene
+from nocturne_scene.document.read import check_document
+from nocturne_scene.responses import is_signed, light_groups_in, name_problems
+
+from .conftest import Compile, Document, expect_problem
+
+_FILTER = {"type": "polariser", "axis": [0, 3, 4]}
+
+
+def _asking(document: Document, **more: Any) -> Document:
+    document["sensor"] |= {"stokes": True, **more}
+    return document
+
+
+def test_each_channel_has_three_more(document: Document, compiled: Compile) -> None:
+    bands = {"first": 400, "last": 700, "width": 150}
+    sensor = compiled(_asking(document, responses={"eye": 1.0}, bands=bands)).sensor
+    found = {each.name: each for each in sensor.further_responses}
+    names = ["X", "Y", "Z", "eye", "475,000000nm", "625,000000nm"]
+    assert [name for name in found if is_signed(name)] == [
+        f"S{i}.{name}" for i in (1, 2, 3) for name in names
+    ]
+    assert found["S2.Y"].values == sensor.response_y
+    assert found["S3.475,000000nm"].values == found["S0.475,000000nm"].values
+    assert [found[f"S{i}.eye"].stokes for i in (1, 2, 3)] == [1, 2, 3]
+    assert not [*name_problems([*found])]
+    assert light_groups_in([*found]) == []
+
+
+def test_a_polariser_has_its_axis(document: Document, compiled: Compile) -> None:
+    document["surfaces"][0]["kernel"] = _FILTER | {"transmittance": 0.8, "leakage": 0.1}
+    scene = compiled(document)
+    found = scene.kernels[scene.surfaces[0].kernel].polarising_filter
+    assert (found.axis.x, found.axis.y, found.axis.z) == pytest.approx((0.0, 0.6, 0.8))
+    values = [scene.spectra[index].values[0] for index in (found.along, found.across, found.retardance)]
+    assert values == pytest.approx([0.8, 0.1, 0.0])
+
+
+def test_a_plate_retards_by_wavelength(document: Document, compiled: Compile) -> None:
+    document["surfaces"][0]["kernel"] = {"type": "retarder", "axis": [1, 0, 0], "retardance_nm": 137.5}
+    scene = compiled(document)
+    found = scene.kernels[scene.surfaces[0].kernel].polarising_filter
+    at = np.array([400.0, 550.0, 700.0])
+    assert spectra.evaluate(scene.spectra[found.retardance], at) == pytest.approx(
+        2 * np.pi * 137.5 / at, rel=1e-6
+    )
+
+
+@pytest.mark.parametrize(
+    ("kernel", "place", "words"),
+    [
+        (_FILTER | {"axis": [0, 0, 0]}, ".axis", "no length"),
+        ({"type": "retarder", "axis": [1, 0, 0]}, "", "retardance_nm"),
+        (_FILTER | {"leakage": 1.5}, ".leakage", "[0, 1]"),
+        ({"type": "mask", "kernel": _FILTER, "opacity": 0.5}, "", "polariser"),
+    ],
+)
+def test_impossible_filters_are_refused(
+    document: Document, blobs: BlobStore, kernel: Any, place: str, words: str
+) -> None:
+    document["surfaces"][0]["kernel"] = kernel
+    expect_problem(document, blobs, f"$.surfaces[0].kernel{place}", words)
+
+
+@pytest.mark.parametrize(("name", "value"), [("direction", "both"), ("sharing", 16)])
+def test_only_photons_from_the_sensor_know(
+    document: Document, blobs: BlobStore, name: str, value: Any
+) -> None:
+    document["tracing"] = {name: value}
+    expect_problem(_asking(document), blobs, f"$.tracing.{name}", "polarised")
+
+
+def test_no_parts_of_polarised_light(document: Document, blobs: BlobStore) -> None:
+    expect_problem(_asking(document, light_parts=True), blobs, "$.sensor.stokes", "direct")
+
+
+def test_what_depolarises_is_said(document: Document, blobs: BlobStore) -> None:
+    document["surfaces"][0]["kernel"] = {"type": "phong", "reflectance": 0.5, "exponent": 10}
+    assert not [
+        each for each in compile_scene(check_document(document), blobs).warnings if "Phong" in each.sentence
+    ]
+    found = compile_scene(check_document(_asking(document)), blobs).warnings
+    assert any("Phong lobes depolarise" in each.sentence for each in found)
