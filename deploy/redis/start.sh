@@ -11,10 +11,10 @@ set -eu
 
 hash() { printf %s "$1" | sha256sum | cut -d ' ' -f 1; }
 
-umask 077
-users=$(mktemp)
-sed -e "s/@COORDINATOR@/$(hash "$NOCTURNE_REDIS_COORDINATOR_PASSWORD")/" "$(dirname "$0")/users.acl" >"$users"
+coordinator=$(hash "$NOCTURNE_REDIS_COORDINATOR_PASSWORD")
 unset NOCTURNE_REDIS_COORDINATOR_PASSWORD
 
-exec redis-server --aclfile "$users" --save "" --appendonly no \
-    --maxmemory "${NOCTURNE_REDIS_MEMORY:-512mb}" --maxmemory-policy noeviction "$@"
+# The users come by standard input, so that no file of theirs stays behind.
+exec redis-server --save "" --appendonly no \
+    --maxmemory "${NOCTURNE_REDIS_MEMORY:-512mb}" --maxmemory-policy noeviction "$@" - \
+    < <(sed -e "s/@COORDINATOR@/$coordinator/" "$(dirname "$0")/users.acl")

@@ -28,6 +28,8 @@ class Started:
     process: subprocess.Popen[bytes]
     port: int
     other: OtherMachine
+    folder: Path
+    """For its files, and temporary ones."""
 
     def cli(self, role: str, *words: str) -> str:
         """What redis-cli prints there, as a role or, with an empty name, as nobody."""
@@ -65,13 +67,21 @@ def started(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Started]:
             },
             stdout=subprocess.DEVNULL,
         )
-        redis = Started(process, port, other)
+        redis = Started(process, port, other, folder)
         try:
             wait_until(lambda: redis.check("redis-answers.sh", other.us, str(port)).returncode == 0, 20.0)
             yield redis
         finally:
             process.kill()
             process.wait()
+
+
+def test_nothing_of_users_and_passwords_is_left_in_a_file(started: Started) -> None:
+    """Nor where it could be read while Redis runs."""
+    assert list(started.folder.iterdir()) == []
+    arguments = Path(f"/proc/{started.process.pid}/cmdline").read_bytes()
+    environment = Path(f"/proc/{started.process.pid}/environ").read_bytes()
+    assert PASSWORDS["coordinator"].encode() not in arguments + environment
 
 
 def test_the_coordinator_reaches_redis_over_the_network(started: Started) -> None:

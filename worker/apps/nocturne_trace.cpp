@@ -19,6 +19,7 @@
 
 #include "daylight_command.h"
 #include "digest/sha256.h"
+#include "film_parts.h"
 #include "image/write_exr.h"
 #include "luminaires/sky_patches.h"
 #include "math/constants.h"
@@ -39,13 +40,13 @@ namespace nocturne {
 namespace {
 
 struct Options {
-  std::string scene, schedule, job, blobs, output, statistics, sums;
+  std::string scene, schedule, job, blobs, output, statistics, sums, join;
   unsigned threads = std::thread::hardware_concurrency();
   unsigned seeds = 0;
   std::uint32_t layer_samples = 0;
   std::uint64_t rays = 0;
   std::vector<std::string> pilot;
-  std::vector<std::uint32_t> learned_at;
+  std::vector<std::uint32_t> learned_at, part;
   DaylightCommand daylight;
   bool quiet = false;
 };
@@ -178,21 +179,56 @@ std::string unmet_part_lines(const v1::RangeSchedule& schedule) {
   return lines.str();
 }
 
+// What the files of pieces are of: sums of another film, or rounded otherwise, are no part of it.
+PieceFiles piece_files(const std::string& folder, const v1::RangeSchedule& schedule,
+                       const std::string& scene_sha256) {
+  Sha256 digest;
+  digest.update(scene_sha256 + schedule.SerializeAsString() + std::to_string(v1::ENGINE_CURRENT) +
+                floating_point_profile());
+  return {folder, digest.hex()};
+}
+
+// Some of an image's pieces.
+void run_part(const Options& options, const v1::CompiledScene& message,
+              const v1::RangeSchedule& schedule) {
+  const FilmPlan plan = checked_schedule(schedule);
+  const FilmPart part{options.part[0], options.part[1]};
+  if (part.part >= part.parts) {
+    throw std::runtime_error("--part: expected K,N with 0 <= K < N");
+  }
+  const auto scene = load_scene(message, blobs_in(options.blobs));
+  trace_part(*scene, plan, part,
+             piece_files(options.output, schedule, sha256_of_file(options.scene)), options.threads,
+             progress_on_stderr(options.quiet));
+}
+
+// Traced here, or joined of what was traced elsewhere.
+std::pair<TileSums, std::uint32_t> film_of(const Options& options, const v1::CompiledScene& message,
+                                           const v1::RangeSchedule& schedule, const FilmPlan& plan,
+                                           const Scene* scene, const std::string& scene_sha256) {
+  const auto progress = progress_on_stderr(options.quiet);
+  if (!options.join.empty()) {
+    const auto further = static_cast<std::size_t>(message.sensor().further_responses_size());
+    return join_parts(plan, further, piece_files(options.join, schedule, scene_sha256));
+  }
+  if (options.sums.empty()) return trace_film(*scene, plan, options.threads, progress);
+  return trace_film_by_ranges(*scene, plan, options.threads, progress,
+                              asked_on_stdin(options.sums));
+}
+
 // An image, its statistics, and its warnings; `scene_sha256` goes into the image.
 void run_film(const Options& options, const v1::CompiledScene& message,
               const v1::RangeSchedule& schedule, const std::string& scene_sha256) {
   const FilmPlan plan = checked_schedule(schedule);
   const auto further_responses = checked_responses(schedule, message.sensor());
-  const auto scene = load_scene(message, blobs_in(options.blobs));
+  using Loaded = decltype(load_scene(message, blobs_in(options.blobs)));
+  const auto scene = options.join.empty() ? load_scene(message, blobs_in(options.blobs)) : Loaded{};
 
   // Loading is left out of the rates.
   const double cpu_before = process_cpu_seconds();
   const auto wall_before = std::chrono::steady_clock::now();
-  const auto progress = progress_on_stderr(options.quiet);
-  const auto [image, samples] = options.sums.empty()
-                                    ? trace_film(*scene, plan, options.threads, progress)
-                                    : trace_film_by_ranges(*scene, plan, options.threads, progress,
-                                                           asked_on_stdin(options.sums));
+  const auto [image, samples] =
+      film_of(options, message, schedule, plan, scene.get(), scene_sha256);
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - wall_before;
   const double cpu = process_cpu_seconds() - cpu_before;
 
@@ -305,6 +341,7 @@ void run(const Options& options) {
     return run_pilot_command({options.pilot, options.blobs, options.output, options.threads},
                              message, schedule);
   }
+  if (!options.part.empty()) return run_part(options, message, schedule);
   if (options.layer_samples != 0) return run_layers(options, message, schedule);
   if (options.rays != 0) return run_rays(options, message);
   if (!options.learned_at.empty()) return run_learned_at(options, message, schedule);
@@ -410,6 +447,19 @@ int run_command(std::vector<std::string> words) {
       ->expected(2)
       ->excludes(job);
   add_daylight_options(app, options.daylight, job);
+  auto* part =
+      app.add_option("--part", options.part,
+                     "Instead of an image, the sums of part K,N of it: of each N-th of its "
+                     "pieces from the K-th on, into files in the folder --output; what is "
+                     "there already is not traced again")
+          ->delimiter(',')
+          ->expected(2)
+          ->excludes(job);
+  app.add_option("--join", options.join,
+                 "Traces nothing: joins the sums that --part has written into this folder")
+      ->check(CLI::ExistingDirectory)
+      ->excludes(job)
+      ->excludes(part);
   app.add_flag("--quiet", options.quiet, "No progress");
   try {
     std::ranges::reverse(words);  // as CLI::App takes them

@@ -53,8 +53,8 @@ class Tracing(Node):
 
     h: Annotated[Finite, Field(gt=0, le=1e6)] | None = Field(
         default=None,
-        description="Russian-roulette factor: a photon survives a surface of albedo H with probability min(1, h H). "
-        "Default: 4, or 1 with roulette by albedo, where a larger value would never end a path.",
+        description="Russian-roulette factor: a photon survives a surface of albedo H with probability "
+        "min(1, h H). Default: 4, or 1 with roulette by albedo, where a larger value would never end a path.",
     )
     roulette: Literal["weight", "albedo"] = Field(
         default="weight",

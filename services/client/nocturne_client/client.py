@@ -6,11 +6,11 @@ One file, though long: a list of short methods, each a call.
 import json
 import uuid
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Literal
+from typing import IO, TYPE_CHECKING, Any, Literal
 from urllib.parse import quote
 
 import httpx
@@ -417,9 +417,13 @@ class Client:
         the true image by more than its error bar.
         """
         check_output(path)
-        self._transport.retrying(
-            lambda: self._download_once(f"/v1/renders/{_part(render_id)}/{_PATHS[kind]}", path)
-        )
+        address = f"/v1/renders/{_part(render_id)}/{_PATHS[kind]}"
+        try:
+            with written(path) as file:
+                come = _Come(file)
+                self._transport.retrying(lambda: self._fetch_rest(address, come))
+        except OSError as error:
+            raise NocturneClientError(f"{path}: {error.strerror}") from error
         return path
 
     def session(self) -> tuple[Session, str]:
@@ -479,12 +483,18 @@ class Client:
                 if event.data:
                     yield decode(Render, json.loads(event.data))
 
-    def _download_once(self, address: str, path: Path) -> None:
-        try:
-            with self._transport.stream("GET", address) as response, written(path) as file:
-                file.writelines(response.iter_bytes(_PIECE_BYTES))
-        except OSError as error:
-            raise NocturneClientError(f"{path}: {error.strerror}") from error
+    def _fetch_rest(self, address: str, come: "_Come") -> None:
+        """What has not come of a file; all of it where that is another one by now."""
+        headers = {"Range": f"bytes={come.size}-", "If-Range": come.etag} if come.size and come.etag else {}
+        with self._transport.stream("GET", address, headers=headers) as response:
+            if come.size and response.status_code != httpx.codes.PARTIAL_CONTENT:
+                come.file.seek(0)
+                come.file.truncate()
+                come.size = 0
+            come.etag = response.headers.get("etag", "")
+            for piece in response.iter_bytes():
+                come.file.write(piece)
+                come.size += len(piece)
 
     def _uploaded(self, scene: Path, progress: UploadProgress | None) -> SceneOnDisk:
         """A scene whose files the service has."""
@@ -496,6 +506,16 @@ class Client:
         """Uploads those of the files, by SHA-256, that the service lacks."""
         for sha256 in self._missing(sorted(files)):
             self.upload(files[sha256], sha256, progress)
+
+
+@dataclass
+class _Come:
+    """What has come of a file by now."""
+
+    file: IO[bytes]
+    etag: str = ""
+    """Of the whole."""
+    size: int = 0
 
 
 def _part(text: str) -> str:

@@ -27,7 +27,81 @@ struct Ranges {
   std::uint32_t end() const { return ends.empty() ? first : ends.back(); }
 };
 
-/// A film's sums, to which ranges are added: of its tiles, and of forward photons.
+std::uint64_t pixels_of(const Film& film) { return std::uint64_t{film.width} * film.height; }
+
+double last_of(std::span<const std::uint32_t> ends) {
+  return ends.empty() ? 0.0 : static_cast<double>(ends.back());
+}
+
+double photons_of(const FilmPlan& plan) {
+  return static_cast<double>(pixels_of(plan.film)) * last_of(plan.range_ends) +
+         static_cast<double>(kPhotonBundle) * last_of(plan.photon_ends);
+}
+
+/// A film's sums: of its tiles, and of forward photons.
+class FilmSums {
+ public:
+  FilmSums(const FilmPlan& plan, std::size_t further)
+      : plan_(plan), tiles_(no_sums(plan, further)) {
+    if (!plan.photon_ends.empty()) photons_.push_back(no_sums(plan, further));
+  }
+
+  void add(const TileSums& tile, std::size_t index) {
+    add_tile(tile, plan_.tile(index), index, tiles_);
+  }
+  /// A range of forward photons, after those before it.
+  void add_photon_range(const TileSums& found, std::uint32_t end) {
+    photons_.front() += found;
+    added_bundles_ = end;
+  }
+  std::uint32_t added_bundles() const { return added_bundles_; }
+
+  /// What all so far measures together, and of how many samples of each pixel that is; `samples`:
+  /// of the tiles.
+  std::pair<TileSums, std::uint32_t> image(std::uint32_t samples) const& {
+    return with_photons(tiles_, samples);
+  }
+  std::pair<TileSums, std::uint32_t> image(std::uint32_t samples) && {
+    return with_photons(std::move(tiles_), samples);
+  }
+
+ private:
+  static TileSums no_sums(const FilmPlan& plan, std::size_t further) {
+    return {plan.film.width, plan.film.height, further, plan.tiles()};
+  }
+
+  std::pair<TileSums, std::uint32_t> with_photons(TileSums film, std::uint32_t samples) const {
+    if (plan_.range_ends.empty()) samples = plan_.samples_of(added_bundles_);
+    if (!photons_.empty()) {
+      add_photons(photons_.front(), added_bundles_, samples, plan_.tile_size, film);
+    }
+    return {std::move(film), samples};
+  }
+
+  const FilmPlan& plan_;
+  TileSums tiles_;
+  /// None or one.
+  std::vector<TileSums> photons_;
+  std::uint32_t added_bundles_ = 0;
+};
+
+/// A tile's ranges, added up in sample order. `done` is told the photons of each.
+template <class Done>
+TileSums trace_ranges(const Scene& scene, const FilmPlan& plan, std::size_t index,
+                      const Ranges& samples, const Done& done) {
+  TileRange tile = plan.tile(index);
+  tile.first_sample = samples.first;
+  TileSums total(tile.width, tile.height, scene.wavelengths.further_curves());
+  for (const std::uint32_t end : samples.ends) {
+    tile.end_sample = end;
+    total += trace_tile(scene, plan.film, tile);
+    done(std::uint64_t{tile.width} * tile.height * (end - tile.first_sample));
+    tile.first_sample = end;
+  }
+  return total;
+}
+
+/// A film to which ranges are added by several threads.
 class GrowingFilm {
  public:
   GrowingFilm(const Scene& scene, const FilmPlan& plan, unsigned threads,
@@ -36,81 +110,39 @@ class GrowingFilm {
         plan_(plan),
         threads_(threads),
         progress_(progress),
-        columns_(tiles_in(plan.film.width)),
-        rows_(tiles_in(plan.film.height)),
-        tiles_(no_sums()) {
-    if (!plan.photon_ends.empty()) photons_.push_back(no_sums());
-    const auto last = [](std::span<const std::uint32_t> ends) {
-      return ends.empty() ? 0.0 : static_cast<double>(ends.back());
-    };
-    all_ = static_cast<double>(plan.film.width) * plan.film.height * last(plan.range_ends) +
-           static_cast<double>(kPhotonBundle) * last(plan.photon_ends);
-  }
+        sums_(plan, scene.wavelengths.further_curves()),
+        all_(photons_of(plan)) {}
 
   /// Traces ranges of all tiles, and of forward photons.
   void add(const Ranges& samples, const Ranges& photons) {
     const std::size_t photon_ranges = photons.ends.size();
     // Ranges of photons take longest, and are begun first.
-    by_threads(photon_ranges + std::size_t{columns_} * rows_, threads_, [&](std::size_t i) {
+    by_threads(photon_ranges + plan_.tiles(), threads_, [&](std::size_t i) {
       if (i < photon_ranges) {
         add_photons_in_order(i == 0 ? photons.first : photons.ends[i - 1], photons.ends[i]);
       } else {
-        trace_tile_ranges(i - photon_ranges, samples);
+        const auto done = [&](std::uint64_t traced) { report(traced); };
+        const TileSums tile = trace_ranges(scene_, plan_, i - photon_ranges, samples, done);
+        const std::lock_guard lock(mutex_);
+        sums_.add(tile, i - photon_ranges);
       }
     });
     samples_ = samples.end();
   }
 
-  /// What all ranges so far measure together, and of how many samples of each pixel that is.
-  std::pair<TileSums, std::uint32_t> image() const& { return with_photons(tiles_); }
-  std::pair<TileSums, std::uint32_t> image() && { return with_photons(std::move(tiles_)); }
+  std::pair<TileSums, std::uint32_t> image() const& { return sums_.image(samples_); }
+  std::pair<TileSums, std::uint32_t> image() && { return std::move(sums_).image(samples_); }
 
  private:
-  std::uint32_t tiles_in(std::uint32_t pixels) const {
-    return (pixels + plan_.tile_size - 1) / plan_.tile_size;
-  }
-
-  std::pair<TileSums, std::uint32_t> with_photons(TileSums film) const {
-    const std::uint32_t samples =
-        plan_.range_ends.empty() ? plan_.samples_of(added_bundles_) : samples_;
-    if (!photons_.empty()) {
-      add_photons(photons_.front(), added_bundles_, samples, plan_.tile_size, film);
-    }
-    return {std::move(film), samples};
-  }
-
-  TileSums no_sums() const {
-    return {plan_.film.width, plan_.film.height, scene_.wavelengths.further_curves(),
-            std::size_t{columns_} * rows_};
-  }
-
-  void trace_tile_ranges(std::size_t index, const Ranges& samples) {
-    const auto column = static_cast<std::uint32_t>(index % columns_);
-    const auto row = static_cast<std::uint32_t>(index / columns_);
-    TileRange tile{column * plan_.tile_size, row * plan_.tile_size, 0, 0, samples.first, 0};
-    tile.width = std::min(plan_.tile_size, plan_.film.width - tile.x);
-    tile.height = std::min(plan_.tile_size, plan_.film.height - tile.y);
-    TileSums total(tile.width, tile.height, scene_.wavelengths.further_curves());
-    for (const std::uint32_t end : samples.ends) {
-      tile.end_sample = end;
-      total += trace_tile(scene_, plan_.film, tile);
-      report(std::uint64_t{tile.width} * tile.height * (end - tile.first_sample));
-      tile.first_sample = end;
-    }
-    const std::lock_guard lock(mutex_);
-    add_tile(total, tile, index, tiles_);
-  }
-
   /// Waits for the ranges before it, of which other threads are at work: so there are never more
   /// sums of whole films than threads.
   void add_photons_in_order(std::uint32_t first, std::uint32_t end) {
     try {
       const TileSums found = trace_photon_range(scene_, plan_.film, plan_.tile_size, {first, end});
       std::unique_lock lock(mutex_);
-      turn_.wait(lock, [&] { return added_bundles_ == first || failed_; });
+      turn_.wait(lock, [&] { return sums_.added_bundles() == first || failed_; });
       if (failed_) return;
-      photons_.front() += found;
-      added_bundles_ = end;
+      sums_.add_photon_range(found, end);
     } catch (...) {
       const std::lock_guard lock(mutex_);
       failed_ = true;
@@ -131,15 +163,12 @@ class GrowingFilm {
   const FilmPlan& plan_;
   const unsigned threads_;
   const std::function<void(double)>& progress_;
-  const std::uint32_t columns_, rows_;
-  TileSums tiles_;
-  /// None or one.
-  std::vector<TileSums> photons_;
-  std::uint32_t added_bundles_ = 0, samples_ = 0;
+  FilmSums sums_;
+  std::uint32_t samples_ = 0;
   bool failed_ = false;
   std::condition_variable turn_;
   std::mutex mutex_;
-  double all_ = 0.0, done_ = 0.0;
+  double all_, done_ = 0.0;
 };
 
 /// Of the photon ranges from `first` on, those that begin below this part of all bundles; at least
@@ -170,8 +199,49 @@ void add_tile(const TileSums& tile, const TileRange& where, std::size_t index, T
 }
 
 std::uint32_t FilmPlan::samples_of(std::uint32_t bundles) const {
-  const std::uint64_t pixels = std::uint64_t{film.width} * film.height;
-  return static_cast<std::uint32_t>(std::max<std::uint64_t>(1, bundles * kPhotonBundle / pixels));
+  const std::uint64_t samples = bundles * kPhotonBundle / pixels_of(film);
+  return static_cast<std::uint32_t>(std::max<std::uint64_t>(1, samples));
+}
+
+TileRange FilmPlan::tile(std::size_t index) const {
+  const auto x = static_cast<std::uint32_t>(index % columns()) * tile_size,
+             y = static_cast<std::uint32_t>(index / columns()) * tile_size;
+  return {x, y, std::min(tile_size, film.width - x), std::min(tile_size, film.height - y), 0, 0};
+}
+
+double FilmPlan::share(std::size_t piece) const {
+  if (piece < photon_ends.size()) {
+    const std::uint32_t first = piece == 0 ? 0 : photon_ends[piece - 1];
+    const std::uint64_t photons = (photon_ends[piece] - first) * kPhotonBundle;
+    return static_cast<double>(photons) / photons_of(*this);
+  }
+  const TileRange where = tile(piece - photon_ends.size());
+  return static_cast<double>(where.width) * where.height * last_of(range_ends) / photons_of(*this);
+}
+
+TileSums trace_piece(const Scene& scene, const FilmPlan& plan, std::size_t piece) {
+  const std::size_t photon_ranges = plan.photon_ends.size();
+  if (piece >= photon_ranges) {
+    return trace_ranges(scene, plan, piece - photon_ranges, {0, plan.range_ends},
+                        [](std::uint64_t) {});
+  }
+  const std::uint32_t first = piece == 0 ? 0 : plan.photon_ends[piece - 1];
+  return trace_photon_range(scene, plan.film, plan.tile_size, {first, plan.photon_ends[piece]});
+}
+
+std::pair<TileSums, std::uint32_t> join_pieces(
+    const FilmPlan& plan, std::size_t further,
+    const std::function<TileSums(std::size_t piece)>& find) {
+  FilmSums sums(plan, further);
+  const std::size_t photon_ranges = plan.photon_ends.size();
+  for (std::size_t piece = 0; piece < plan.pieces(); ++piece) {
+    if (piece < photon_ranges) {
+      sums.add_photon_range(find(piece), plan.photon_ends[piece]);
+    } else {
+      sums.add(find(piece), piece - photon_ranges);
+    }
+  }
+  return std::move(sums).image(plan.range_ends.empty() ? 0 : plan.range_ends.back());
 }
 
 std::pair<TileSums, std::uint32_t> trace_film(const Scene& scene, const FilmPlan& plan,

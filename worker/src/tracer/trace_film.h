@@ -24,6 +24,19 @@ struct FilmPlan {
   }
   /// Of how many samples of each pixel an image by so many bundles of forward photons alone is.
   std::uint32_t samples_of(std::uint32_t bundles) const;
+
+  std::uint32_t columns() const { return (film.width + tile_size - 1) / tile_size; }
+  std::size_t tiles() const {
+    return std::size_t{columns()} * ((film.height + tile_size - 1) / tile_size);
+  }
+  /// Of no samples.
+  TileRange tile(std::size_t index) const;
+
+  /// The film falls into pieces that can be traced apart: the ranges of forward photons, then the
+  /// tiles with all their samples.
+  std::size_t pieces() const { return photon_ends.size() + tiles(); }
+  /// The part of all photons that a piece is.
+  double share(std::size_t piece) const;
 };
 
 /// Adds the sums of a tile, the `index`-th, to those of its film.
@@ -37,6 +50,15 @@ void add_tile(const TileSums& tile, const TileRange& where, std::size_t index, T
 std::pair<TileSums, std::uint32_t> trace_film(const Scene& scene, const FilmPlan& plan,
                                               unsigned threads,
                                               const std::function<void(double)>& progress);
+
+/// A piece of that. Throws the errors that tracing throws.
+TileSums trace_piece(const Scene& scene, const FilmPlan& plan, std::size_t piece);
+
+/// All pieces, each found once and in their order, joined to the bits of `trace_film`; `further`:
+/// responses of the sensor.
+std::pair<TileSums, std::uint32_t> join_pieces(
+    const FilmPlan& plan, std::size_t further,
+    const std::function<TileSums(std::size_t piece)>& find);
 
 /// The same bits, one range of the whole film after the other: `go_on` is asked after each but the
 /// last one, with the samples of every pixel so far and their sums, and ends the image there by

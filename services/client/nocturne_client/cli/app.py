@@ -13,6 +13,7 @@ from nocturne_client.cli import (
     light_commands,
     local_commands,
     measure_commands,
+    parts_commands,
     preflight_command,
     service_commands,
     token_commands,
@@ -61,6 +62,7 @@ local_commands.add_to(app)
 compare_commands.add_to(app)
 measure_commands.add_to(app)
 light_commands.add_to(app)
+parts_commands.add_to(app)
 preflight_command.add_to(app)
 validate_command.add_to(app)
 annual_command.add_to(app)

@@ -21,7 +21,7 @@ from rich.progress import Progress
 from nocturne_client.console import ERRORS
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.compiled import CompiledFolder, compile_to
-from nocturne_client.local.image_error import image_error
+from nocturne_client.local.image_error import ImageError, image_error
 from nocturne_client.local.local_stop import LocalStop
 from nocturne_client.local.programs import need_program
 from nocturne_client.outputs import check_output, put
@@ -60,10 +60,7 @@ def render_scene(asked: LocalRender) -> None:
     Raises NocturneClientError, before anything is traced where an output can't be written.
     """
     program = need_program("nocturne-trace")
-    for path in asked.outputs:
-        check_output(path)
-        if path.suffix.lower() not in _WRITERS and (path.is_file() or not path.exists()):
-            raise NocturneClientError(f"{path}: expected a name that ends in {' or '.join(_WRITERS)}")
+    check_outputs(asked.outputs)
     if asked.statistics is not None:
         check_output(asked.statistics)
     with tempfile.TemporaryDirectory(prefix="nocturne-") as folder:
@@ -81,14 +78,28 @@ def render_scene(asked: LocalRender) -> None:
             _trace([*command, "--ask-after-ranges", str(sums)], Path(name).name, stop, sums)
         else:
             _trace(command, Path(name).name)
-        error = image_error(image)
-        write_as_the_service_does(image, error.doubt, compiled.layers)
-        for path in asked.outputs:
-            _write(image, path)
+        error = finish_image(image, compiled.layers, asked.outputs)
     said = str(error)
     if wanted := asked.stop.get("relative_error"):
         said += f" {wanted:.3%} was asked for."
     ERRORS.print(said, markup=False, soft_wrap=True)
+
+
+def check_outputs(outputs: Sequence[Path]) -> None:
+    """Raises NocturneClientError, before anything is traced, where one can't be written."""
+    for path in outputs:
+        check_output(path)
+        if path.suffix.lower() not in _WRITERS and (path.is_file() or not path.exists()):
+            raise NocturneClientError(f"{path}: expected a name that ends in {' or '.join(_WRITERS)}")
+
+
+def finish_image(image: Path, layers: Path | None, outputs: Sequence[Path]) -> ImageError:
+    """Gives the tracer's EXR the bytes of the service's, and writes it where it is to go."""
+    error = image_error(image)
+    write_as_the_service_does(image, error.doubt, layers)
+    for path in outputs:
+        _write(image, path)
+    return error
 
 
 def _write(image: Path, output: Path) -> None:
