@@ -10,7 +10,6 @@ from nocturne_scene.compile.workspace import Workspace
 from nocturne_scene.document.kernels import Polariser, Retarder
 
 _DEPOLARISE = {
-    "thin_pane": "thin panes",
     "glazing": "glazings",
     "coated_diffuse": "coated diffuse surfaces",
     "phong": "Phong lobes",

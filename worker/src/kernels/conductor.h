@@ -52,10 +52,11 @@ struct BoundConductor {
   bool smooth() const { return !roughness.smooth; }
   static constexpr bool transmits() { return false; }
 
-  Mueller<N> mueller(Vec3 wo, Vec3 wi) const {
+  Mueller<N> mueller(Vec3 wo, Vec3 wi, std::uint32_t photons) const {
     const float cosine = roughness.smooth ? wo.z : dot(wo, half_vector(wo, wi));
     Mueller<N> found;
     for (std::size_t i = 0; i < N; ++i) {
+      if (((photons >> i) & 1u) == 0u) continue;
       const auto by = film.amplitudes(std::clamp(cosine, 0.0f, 1.0f), i, n[i], k[i]);
       found.set(i, by.s.reflected, by.p.reflected);
     }

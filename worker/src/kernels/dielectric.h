@@ -84,10 +84,11 @@ struct BoundDielectric {
   bool transmits() const { return smooth(); }
 
   /// Each photon for itself: what is refracted has the facet of its own index.
-  Mueller<N> mueller(Vec3 wo, Vec3 wi) const {
+  Mueller<N> mueller(Vec3 wo, Vec3 wi, std::uint32_t photons) const {
     const bool reflects = wi.z > 0.0f;
     Mueller<N> found;
     for (std::size_t i = 0; i < N; ++i) {
+      if (((photons >> i) & 1u) == 0u) continue;
       if (passes(ratio[i])) {
         found.keep(i);
         continue;

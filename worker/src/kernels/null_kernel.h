@@ -14,7 +14,7 @@ struct BoundNullKernel {
     return Draw<N>{.wi = -wo, .delta = true};
   }
   static Spectral<N> pdf(Vec3, Vec3) { return 0.0f; }
-  static Mueller<N> mueller(Vec3, Vec3) { return Mueller<N>::unchanged(); }
+  static Mueller<N> mueller(Vec3, Vec3, std::uint32_t) { return Mueller<N>::unchanged(); }
   static constexpr bool smooth() { return false; }
   static constexpr bool transmits() { return false; }
 };

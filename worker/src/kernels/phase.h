@@ -65,7 +65,7 @@ class BoundPhase {
   static constexpr bool transmits() { return true; }
 
   /// Of Rayleigh's alone; others depolarise.
-  Mueller<N> mueller(Vec3 wo, Vec3 wi) const {
+  Mueller<N> mueller(Vec3 wo, Vec3 wi, std::uint32_t) const {
     const auto* rayleigh = std::get_if<BoundRayleigh<N>>(&shape_);
     return rayleigh != nullptr ? rayleigh->mueller(ScatteringAngle::between(wo, wi)) : Mueller<N>{};
   }

@@ -27,7 +27,7 @@ struct BoundPolarisingFilter {
   static constexpr bool smooth() { return false; }
   static constexpr bool transmits() { return false; }
 
-  Mueller<N> mueller(Vec3, Vec3) const {
+  Mueller<N> mueller(Vec3, Vec3, std::uint32_t) const {
     Mueller<N> found;
     for (std::size_t i = 0; i < N; ++i) {
       const double phase = retardance[i], size = std::sqrt(static_cast<double>(across[i]));

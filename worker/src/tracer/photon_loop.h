@@ -60,11 +60,7 @@ void start(Batch<N, Estimator, Media>& batch, const Start<N>& from,
   sample.flux = from.flux;
   sample.light_group = from.light_group;
   if constexpr (Media) batch.flights.emplace_back(batch.scene, from.wavelengths, batch.limits);
-  if constexpr (Batch<N, Estimator, Media>::kPolarised) {
-    const Vec3 up = batch.scene.sensor.motion().at(from.time).up;
-    batch.estimator.polarisations().push_back(
-        Polarisation<N>::at_sensor(across_both(from.ray.direction, up), number));
-  }
+  start_polarisation(batch, from, number);
   if (!(largest(from.flux) > 0.0f)) return;  // nothing was emitted
   Group<N>& group = batch.groups.emplace_back(from, sequence);
   group.sample = group.tally = number;
@@ -245,12 +241,8 @@ void add_vertex(Batch& batch, std::size_t i, Chunk<N, Bound>& chunk) {
   chunk.groups[chunk.count] = &group;
   chunk.met[chunk.count] = &met;
   const Kernel& kernel = *std::get_if<Kernel>(&batch.scene.kernels[vertex->kernel]);
-  if constexpr (std::is_same_v<Kernel, Fluorescent>) {
-    chunk.kernels[chunk.count].emplace(reflect_or_emit(batch, group, *vertex, kernel));
-  } else {
-    chunk.kernels[chunk.count].emplace(
-        InPlace{[&] { return bind_kernel(kernel, batch.scene.kernels, vertex->shading); }});
-  }
+  chunk.kernels[chunk.count].emplace(
+      InPlace{[&] { return bind_at(batch, group, *vertex, kernel); }});
   ++chunk.count;
 }
 

@@ -3,11 +3,12 @@
 
 #include <cstdint>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "tile/tile_sums.h"
 #include "tracer/batch.h"
-#include "tracer/estimators/radiance_estimator.h"
+#include "tracer/estimators/stokes_estimator.h"
 #include "tracer/pixel_sample.h"
 #include "tracer/small_lights.h"
 
@@ -41,8 +42,9 @@ class PixelBatches {
   const Scene& scene_;
   const Film film_;
   const SmallLights small_lights_;
-  RadianceEstimator<N, Polarised> estimator_;
-  Batch<N, RadianceEstimator<N, Polarised>, Media> batch_;
+  using Estimator = std::conditional_t<Polarised, StokesEstimator<N>, RadianceEstimator<N>>;
+  Estimator estimator_;
+  Batch<N, Estimator, Media> batch_;
   std::vector<PixelSample<N>> samples_;
   /// Of the pixels of the batch, and which these are.
   std::vector<PixelSequence> sequences_;

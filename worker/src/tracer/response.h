@@ -39,10 +39,8 @@ class Response {
     for (std::size_t c = 0; c < 3; ++c) values[c] += scale * mean(wavelengths_.weight[c], kept);
     for (std::size_t c = 0; c < sampler_.further_curves(); ++c) {
       const CountedLight& light = sampler_.light(c);
-      const Spectral<N> counted = light.all()    ? kept
-                                  : light.stokes ? polarised(kept, part_of(light))
-                                                 : part(light.part, kept, part_of(light));
-      if (!light.stokes && !(largest(counted) > 0.0f)) continue;
+      const Spectral<N> counted = light.all() ? kept : part(light, kept, part_of(light));
+      if (!(largest(size(light, counted)) > 0.0f)) continue;
       values[TileSums::kXyzValues + c] +=
           scale * mean(sampler_.further_weight(c, wavelengths_), counted);
     }
@@ -51,20 +49,23 @@ class Response {
 
  private:
   /// Nothing of the light that is left out.
-  static Spectral<N> part(LightPart which, const Spectral<N>& kept, const Spectral<N>& known) {
+  static Spectral<N> part(const CountedLight& light, const Spectral<N>& kept,
+                          const Spectral<N>& known) {
+    if (light.stokes) {  // of either sign
+      return each(
+          [](float all, float some) { return all > 0.0f ? std::clamp(some, -all, all) : 0.0f; },
+          kept, known);
+    }
     return each(
-        [which](float all, float some) {
+        [which = light.part](float all, float some) {
           const float found = std::min(all, some);
           return which == LightPart::kIndirect ? all - found : found;
         },
         kept, known);
   }
-
-  /// Of either sign; nothing of light that is left out.
-  static Spectral<N> polarised(const Spectral<N>& kept, const Spectral<N>& part) {
-    return each(
-        [](float all, float some) { return all > 0.0f ? std::clamp(some, -all, all) : 0.0f; }, kept,
-        part);
+  static Spectral<N> size(const CountedLight& light, const Spectral<N>& counted) {
+    if (!light.stokes) return counted;
+    return each([](float x) { return std::fabs(x); }, counted);
   }
 
   static double mean(const Spectral<N>& weight, const Spectral<N>& radiance) {

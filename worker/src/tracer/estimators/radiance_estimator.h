@@ -11,7 +11,6 @@
 #include "luminaires/visible_sky.h"
 #include "tracer/batch.h"
 #include "tracer/both_directions/near_ends.h"
-#include "tracer/vertex/polarisation.h"
 #include "tracer/vertex/power_heuristic.h"
 
 namespace nocturne {
@@ -24,13 +23,10 @@ struct SkySightings {
   std::uint64_t free = 0, stopped = 0;
 };
 
-/// With Polarised, of scenes whose photons know how light is polarised: S1, S2 and S3 are then
-/// counted where others count light groups.
-template <int N, bool Polarised = false>
+template <int N>
 class RadianceEstimator {
  public:
   static constexpr Transport kTransport = Transport::kAdjoint;
-  static constexpr bool kPolarised = Polarised;
 
   explicit RadianceEstimator(const Scene& scene)
       : scene_(scene),
@@ -45,10 +41,7 @@ class RadianceEstimator {
     radiance_.assign(samples, {});
     if (tells_parts_) direct_.assign(samples, {});
     of_groups_.assign(samples * light_groups_, {});
-    polarisations_.clear();
   }
-  /// By the batch's samples.
-  std::vector<Polarisation<N>>& polarisations() { return polarisations_; }
   std::uint32_t add_tally() {
     radiance_.emplace_back();
     if (tells_parts_) direct_.emplace_back();
@@ -104,11 +97,7 @@ class RadianceEstimator {
     const Spectral<N> found =
         group.weight * scene_.medium(hit.surface).source(hit.position, sample.wavelengths);
     add(group.tally, found, meets_direct_light(group));
-    if constexpr (Polarised) {
-      add_stokes(group.tally, polarisations_[group.sample], found);
-    } else if (light_groups_ > 0) {
-      add_of_group(group.tally, kUngrouped, found);
-    }
+    if (light_groups_ > 0) add_of_group(group.tally, kUngrouped, found);
   }
 
   void add(std::uint32_t tally, const Spectral<N>& found, bool direct) {
@@ -119,13 +108,6 @@ class RadianceEstimator {
   /// What of it is of a light group; only where these are told apart.
   void add_of_group(std::uint32_t tally, std::uint32_t light_group, const Spectral<N>& found) {
     add_to(of_group(tally, light_group), found);
-  }
-
-  /// S1 to S3 of what is found there, where a response asks.
-  void add_stokes(std::uint32_t tally, const Polarisation<N>& from, const Spectral<N>& found) {
-    for (std::uint32_t i = 0; i < light_groups_; ++i) {
-      add_of_group(tally, i, found * from.to_sensor[i + 1][0]);
-    }
   }
 
   /// What each photon of a sample found: an estimate of spectral radiance at its wavelength, W m-2
@@ -160,7 +142,6 @@ class RadianceEstimator {
     return found;
   }
 
- private:
   using Tally = std::array<double, N>;
   using Gathered = TracingOptions::Gathered;
   // The light group of what was given none.
@@ -234,10 +215,6 @@ class RadianceEstimator {
     if (!counted) return;
     const Spectral<N>& found = *counted;
     add(group.tally, found, meets_direct_light(group));
-    if constexpr (Polarised) {
-      add_stokes(group.tally, polarisations_[group.sample], found);
-      return;
-    }
     if (light_groups_ == 0) return;
     each_group([&](std::uint32_t light_group, const Spectral<N>& part) {
       add_of_group(group.tally, light_group, found * ratio(part, light));
@@ -269,7 +246,6 @@ class RadianceEstimator {
   SkySightings* sightings_ = nullptr;
   std::vector<Tally> radiance_, direct_;  // by tally
   std::vector<Tally> of_groups_;          // by tally, then light group
-  std::vector<Polarisation<N>> polarisations_;
 };
 
 }  // namespace nocturne

@@ -80,9 +80,10 @@ void for_each_draw(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const
     if constexpr (N > 1 && requires { kernel.likelihood(vertex.wo, draw->wi); }) {
       group.path_pdf_ratio *= kernel.likelihood(vertex.wo, draw->wi);
     }
-    go_on(batch, group, vertex, kernel, draw->wi, draw->delta, [&](Group<N>& on) {
+    go_on(batch, group, vertex, draw->wi, draw->delta, [&](Group<N>& on) {
       if (together != all) on.weight = only(group.weight, together);
       weigh(on, *draw);
+      polarise(batch, on, vertex, kernel, draw->wi);
     });
   }
 }

@@ -43,4 +43,15 @@ BoundLambertian<N> reflect_or_emit(Batch& batch, Group<N>& group, Vertex<N>& ver
   return BoundLambertian<N>(1.0f);
 }
 
+/// The kernel at a vertex.
+template <class Batch, int N, class Kernel>
+auto bind_at(Batch& batch, Group<N>&, Vertex<N>& vertex, const Kernel& kernel) {
+  return bind_kernel(kernel, batch.scene.kernels, vertex.shading);
+}
+template <class Batch, int N>
+BoundLambertian<N> bind_at(Batch& batch, Group<N>& group, Vertex<N>& vertex,
+                           const Fluorescent& kernel) {
+  return reflect_or_emit(batch, group, vertex, kernel);
+}
+
 }  // namespace nocturne

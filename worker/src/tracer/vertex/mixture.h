@@ -66,7 +66,10 @@ void draw_from_mixture(Batch& batch, Group<N>& group, const Vertex<N>& vertex, c
   } else {
     draw.wi = uniform_sample(kernel, numbers.u, numbers.v);
   }
-  go_on(batch, group, vertex, kernel, draw.wi, false, [&](Group<N>& on) { weigh(on, draw); });
+  go_on(batch, group, vertex, draw.wi, false, [&](Group<N>& on) {
+    weigh(on, draw);
+    polarise(batch, on, vertex, kernel, draw.wi);
+  });
 }
 
 /// A photon from each density, weighted by the power heuristic with exponent 2 (Veach and Guibas,
@@ -107,9 +110,10 @@ void split(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const Kernel&
       draw.wi = uniform_sample(kernel, u[0], u[1]);
       drawn_pdf = 0.0f;
     }
-    go_on(batch, group, vertex, kernel, draw.wi, false, [&](Group<N>& on) {
+    go_on(batch, group, vertex, draw.wi, false, [&](Group<N>& on) {
       on.sequence = sequence;
       weigh(on, draw, drawn_by);
+      polarise(batch, on, vertex, kernel, draw.wi);
     });
   }
   drawn_pdf = 0.0f;

@@ -40,13 +40,14 @@ void estimate_next_event(Batch& batch, const Group<N>& group, const Vertex<N>& v
   const DrawnDirection& drawn = light->drawn;
   const Vec3 wi = vertex.to_local(drawn.direction);
   if (wi.z <= 0.0f && !kernel.transmits()) return;
-  go_on(batch, group, vertex, kernel, wi, false, [&](Group<N>& photon) {
+  go_on(batch, group, vertex, wi, false, [&](Group<N>& photon) {
     photon.sequence = sequence;
     photon.shares = false;
     const Evaluation<N> there = evaluate<N>(kernel, vertex.wo, wi);
     photon.weight *= there.value;
     photon.mis = {MisTechnique::kLights, light->from, drawn.direction,
                   survival * there.pdf,  drawn.pdf,   worth_outside(batch, photon)};
+    polarise(batch, photon, vertex, kernel, wi);
   });
 }
 
@@ -75,11 +76,7 @@ void ask_for_light(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
   if (scene.options.gathered != TracingOptions::Gathered::kWithAll) return;
   const Evaluation<N> there = evaluate<N>(kernel, vertex.wo, wi);
   Spectral<N> found = group.weight * there.value * radiance;
-  [[maybe_unused]] PassedOn<N> passed;
-  if constexpr (Batch::kPolarised) {
-    passed = pass_vertex(batch, group, vertex, kernel, wi);
-    found *= passed.factor;
-  }
+  const auto passed = polarise_light(batch, group, vertex, kernel, wi, found);
   if (!(largest(found) > 0.0f)) return;
   const Spectral<N> lights(light.pdf);
   found *= power_share(lights, survival * there.pdf) / lights;
@@ -92,16 +89,8 @@ void ask_for_light(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
   shadow.light = found;
   shadow.direct = meets_direct_light(group);
   if (!batch.tells_groups) return;
-  if constexpr (Batch::kPolarised) {
-    for (std::uint32_t i = 0; i < 3; ++i) {
-      batch.shadow_lights.push_back(
-          {batch.shadow_rays.size() - 1, i, found * passed.beyond.to_sensor[i + 1][0]});
-    }
-    return;
-  }
   const auto add = [&](std::uint32_t light_group, const Spectral<N>& part) {
-    batch.shadow_lights.push_back(
-        {batch.shadow_rays.size() - 1, light_group, found * ratio(part, radiance)});
+    add_shadow_light(batch, passed, light_group, found * ratio(part, radiance));
   };
   if (light.luminaire != Emission::kNoLuminaire) {
     add(scene.luminaires[light.luminaire].light_group, radiance);

@@ -55,15 +55,19 @@ struct Polarisation {
       row[2] = inverse * (by.c * two + by.s * three);
       row[3] = inverse * (by.d * three - by.s * two);
     }
-    return factor;
+    return by.size * factor;
   }
 };
 
-/// Across both rays of an interaction; where they are along each other any direction across.
-inline Vec3 across_both(Vec3 comes, Vec3 leaves) {
+inline bool along_each_other(Vec3 one, Vec3 other) {
   constexpr float kAlong = 1e-12f;  // square of an angle
-  const Vec3 normal = cross(comes, leaves);
-  return dot(normal, normal) > kAlong ? normalized(normal) : Frame(leaves).tangent;
+  const Vec3 normal = cross(one, other);
+  return dot(normal, normal) <= kAlong;
+}
+
+/// Across two directions; where they are along each other any one across.
+inline Vec3 across_both(Vec3 one, Vec3 other) {
+  return along_each_other(one, other) ? Frame(other).tangent : normalized(cross(one, other));
 }
 
 /// The part of an axis that is across a ray.

@@ -185,12 +185,11 @@ bool leave(const Batch& batch, Group<N>& group, const Vertex<N>& vertex, Vec3 wi
 }
 
 /// Sends a copy on to the next wave, after `change` was made to it.
-template <class Batch, int N, class Kernel, class Change>
-void go_on(Batch& batch, const Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel,
-           Vec3 wi, bool delta, const Change& change) {
+template <class Batch, int N, class Change>
+void go_on(Batch& batch, const Group<N>& group, const Vertex<N>& vertex, Vec3 wi, bool delta,
+           const Change& change) {
   Group<N>& on = batch.next.emplace_back(group);
   change(on);
-  if constexpr (Batch::kPolarised) polarise(batch, on, vertex, kernel, wi);
   if (!leave(batch, on, vertex, wi, delta)) batch.next.pop_back();
 }
 
