@@ -100,7 +100,7 @@ def hidden(draft: Draft) -> Document:
 
 def environment(draft: Draft) -> Document:
     chance = draft.chance
-    match chance.whole(0, 2):
+    match chance.whole(0, 3):
         case 0:
             return {"radiance": radiance(draft, 300.0)} | hidden(draft)
         case 1:
@@ -112,9 +112,10 @@ def environment(draft: Draft) -> Document:
             if chance.maybe(0.4):
                 made["rotate_degrees"] = chance.number(-180, 180)
             return made | hidden(draft)
+        case 2:
+            return _standard_sky(draft) | hidden(draft)
         case _:
-            sky = _standard_sky(draft) if chance.maybe(0.6) else _weather_sky(draft)
-            return sky | hidden(draft)
+            return _weather_sky(draft) | hidden(draft)
 
 
 def _standard_sky(draft: Draft) -> Document:

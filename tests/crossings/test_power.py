@@ -18,7 +18,7 @@ pytestmark = pytest.mark.system
 
 _WITH_A_MASK = 58
 """Seed of a scene that shows one."""
-_WITH_A_SUN = 28
+_WITH_A_SUN = 26
 """Seed of a scene with discs at infinity and much else."""
 _SAMPLES = 8
 
