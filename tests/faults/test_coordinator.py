@@ -160,7 +160,7 @@ def test_a_damaged_database_is_replaced_by_the_newest_whole_checkpoint(service: 
     place = service.data / "checkpoints"
     wait_until(lambda: len(checkpoints(place)) >= 1)
     # Something new to copy, however far the first render is by now.
-    service.create(samples=1)
+    service.create(samples=1, request_id="another")
     wait_until(lambda: len(checkpoints(place)) == 2)
     service.stop(signal.SIGKILL)
     newest, before = checkpoints(place)
