@@ -13,6 +13,7 @@ from typing import Annotated
 import typer
 
 from nocturne_client.cli.output import ExitStatus
+from nocturne_client.cli.up_commands import DataOfService, Port
 from nocturne_client.cli.watching import follow
 from nocturne_client.client import Client
 from nocturne_client.console import ERRORS
@@ -42,12 +43,8 @@ def add_to(app: typer.Typer) -> None:
 
 
 def demo(
-    data: Annotated[
-        Path | None, typer.Option("--data", help="Data folder of the service. Default: yours.")
-    ] = None,
-    port: Annotated[
-        int, typer.Option("--port", min=1, max=65534, help="Page and REST; gRPC is one above.")
-    ] = 7070,
+    data: DataOfService = None,
+    port: Port = 7070,
     output: Annotated[
         Path, typer.Option("--output", "-o", metavar="FOLDER", help="Where image and picture go.")
     ] = Path("nocturne-demo"),

@@ -6,6 +6,11 @@ from typing import Annotated
 
 import typer
 
+Port = Annotated[int, typer.Option("--port", min=1, max=65534, help="Page and REST; gRPC is one above.")]
+DataOfService = Annotated[
+    Path | None, typer.Option("--data", help="Data folder of the service. Default: yours.")
+]
+
 
 def add_to(app: typer.Typer) -> None:
     """Adds these commands to the program."""
@@ -17,9 +22,7 @@ def up(
     data: Annotated[
         Path | None, typer.Option("--data", help="Data folder: renders, images, assets. Default: yours.")
     ] = None,
-    port: Annotated[
-        int, typer.Option("--port", min=1, max=65534, help="Page and REST; gRPC is one above.")
-    ] = 7070,
+    port: Port = 7070,
     workers: Annotated[int, typer.Option("--workers", min=0, help="Worker processes.")] = 1,
     threads: Annotated[
         int, typer.Option("--threads", min=0, help="Per worker; 0: share the processors.")
@@ -93,9 +96,7 @@ def up(
 
 
 def down(
-    data: Annotated[
-        Path | None, typer.Option("--data", help="Data folder of the service. Default: yours.")
-    ] = None,
+    data: DataOfService = None,
 ) -> None:
     """Stop the service that runs here on a data folder: one that `nocturne up` or `nocturne demo` started."""
     from nocturne_client.local.data import default_data_folder
