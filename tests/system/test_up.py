@@ -197,7 +197,7 @@ def _committed_ranges(data: Path, render_id: str) -> int:
 
 def _bounds_were_passed_on(service: Up, token: str) -> None:
     """One open render for an owner, and a gigabyte for all data."""
-    with closing(Client(service.url, token=token)) as client:
+    with closing(Client(service.url, token=token, patience_s=0.0)) as client:
         client.submit(CORNELL, 40, 30, 16)
         with pytest.raises(NocturneClientError, match="open renders") as caught:
             client.submit(CORNELL, 40, 30, 16)
