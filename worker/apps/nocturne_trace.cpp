@@ -10,6 +10,7 @@
 #include <iomanip>
 #include <iostream>
 #include <map>
+#include <memory>
 #include <new>
 #include <sstream>
 #include <string>
@@ -221,8 +222,8 @@ void run_film(const Options& options, const v1::CompiledScene& message,
               const v1::RangeSchedule& schedule, const std::string& scene_sha256) {
   const FilmPlan plan = checked_schedule(schedule);
   const auto further_responses = checked_responses(schedule, message.sensor());
-  using Loaded = decltype(load_scene(message, blobs_in(options.blobs)));
-  const auto scene = options.join.empty() ? load_scene(message, blobs_in(options.blobs)) : Loaded{};
+  std::shared_ptr<const Scene> scene;
+  if (options.join.empty()) scene = load_scene(message, blobs_in(options.blobs));
 
   // Loading is left out of the rates.
   const double cpu_before = process_cpu_seconds();
