@@ -228,14 +228,14 @@ TEST(PilotOfMethods, ListsWhatIsOpen) {
   given.direction = Direction::kBoth;
   given.aimed_emission = 0.6f;
   const auto count = [&](bool direction, bool aim, bool guide) {
-    return methods_of({direction, aim, guide}, given).size();
+    return methods_of({direction, aim, guide}, given, true).size();
   };
   EXPECT_EQ(count(false, false, false), 1u);
   EXPECT_EQ(count(false, true, true), 2u);
   EXPECT_EQ(count(true, false, false), 2u);
   EXPECT_EQ(count(true, true, false), 3u);
   EXPECT_EQ(count(true, true, true), 6u);
-  EXPECT_EQ(methods_of({true, true, true}, given).front(), kPlain);
+  EXPECT_EQ(methods_of({true, true, true}, given, true).front(), kPlain);
   given.direction = Direction::kForward;
   EXPECT_EQ(count(true, true, true), 4u);
   EXPECT_EQ(count(false, true, true), 1u);
