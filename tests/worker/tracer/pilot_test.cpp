@@ -304,7 +304,7 @@ TEST(Pilot, GuidesPhotonsThatFindTheSameLight) {
   mirror.mutable_roughness()->mutable_alpha_u()->set_constant(0.0);
   mirror.mutable_roughness()->mutable_alpha_v()->set_constant(0.0);
   const auto scene = builder.load();
-  ASSERT_TRUE(scene->occlusion_decides);
+  ASSERT_TRUE(scene->shadow_rays_suffice);
   const Learned learned = learn(*scene, {64, 48}, 1 << 18, 2);
   ASSERT_GT(learned.arrivals.size(), 1000u);
   scene->lights.set_learned(LearnedLight(learned.arrivals));

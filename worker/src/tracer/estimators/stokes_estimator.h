@@ -23,8 +23,8 @@ class StokesEstimator : public RadianceEstimator<N> {
   /// By the batch's samples.
   std::vector<Polarisation<N>>& polarisations() { return polarisations_; }
 
-  void flies(const BatchSample<N>& sample, const Group<N>& group, const Hit* hit,
-             const LightDirections::SkyPlace& place) {
+  void on_ray(const BatchSample<N>& sample, const Group<N>& group, const Hit* hit,
+              const LightSampler::SkyTexel& place) {
     if (this->nearly()) return this->nearly_meets(sample, group);
     if (hit != nullptr || !this->scene_.has_distant_light()) return;
     if (this->sightings_ != nullptr) this->keep_sighting(sample, group);
@@ -34,17 +34,17 @@ class StokesEstimator : public RadianceEstimator<N> {
           place);
   }
 
-  void arrives(const BatchSample<N>& sample, const Group<N>& group, const Hit& hit) {
+  void on_surface(const BatchSample<N>& sample, const Group<N>& group, const Hit& hit) {
     const Scene& scene = this->scene_;
     const SurfaceMaterial& material = scene.materials[hit.surface];
-    if (material.luminaire == SurfaceMaterial::kNone) return Base::arrives(sample, group, hit);
+    if (material.luminaire == SurfaceMaterial::kNone) return Base::on_surface(sample, group, hit);
     const Luminaire& luminaire = scene.luminaires[material.luminaire];
     if (this->nearly() || sees_past(group, luminaire.hidden_from)) return;
     count(group,
           scene.emitted(luminaire, hit, -group.ray.direction, sample.time, sample.wavelengths));
   }
 
-  void glows(const BatchSample<N>& sample, const Group<N>& group, const Hit& hit) {
+  void on_medium_emission(const BatchSample<N>& sample, const Group<N>& group, const Hit& hit) {
     if (this->scene_.options.least_radiance > 0.0f) return;
     const Spectral<N> found =
         group.weight * this->scene_.medium(hit.surface).source(hit.position, sample.wavelengths);
@@ -58,7 +58,7 @@ class StokesEstimator : public RadianceEstimator<N> {
 
  private:
   void count(const Group<N>& group, const Spectral<N>& light,
-             const LightDirections::SkyPlace& place = {}) {
+             const LightSampler::SkyTexel& place = {}) {
     this->add_light(
         group, light,
         [&](const auto& f) {

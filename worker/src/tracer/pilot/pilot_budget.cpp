@@ -22,7 +22,7 @@ PilotBudget pilot_budget(Trials& trials, const PilotRequest& request) {
   const double all = rays * pixels_of(request.film) * request.samples;
   const double of_small = std::clamp(kPartOfSmall * all, kLeastRays, kEnoughRays);
   const double part = std::max(kPart * all, of_small);
-  return {.samples = std::max(0.0, std::min(part, kMostRays) / rays - request.lessons),
+  return {.samples = std::max(0.0, std::min(part, kMostRays) / rays - request.training_samples),
           .mean = means_of_images(probe)[0]};
 }
 
