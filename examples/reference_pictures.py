@@ -228,7 +228,8 @@ def _grids(folder: Path) -> None:
     files = [{"name": name, "file": f"{name}.raw"} for name in grids]
     told = {"dims": [9, 9, 9], "voxel_size": 0.1, "origin": [-0.45, 0.05, -0.45], "grids": files}
     (folder / "grids.json").write_text(json.dumps(told))
-    command = [need_program("nocturne-grid"), "create", folder / "grids.json", "-o", folder / "smoke.vdb"]
+    files_in: list[str | Path] = ["create", folder / "grids.json", "-o", folder / "smoke.vdb"]
+    command: list[str | Path] = [need_program("nocturne-grid"), *files_in]
     subprocess.run(command, check=True, capture_output=True)  # noqa: S603
 
 
@@ -243,7 +244,7 @@ def picture_of(name: str) -> Path:
 
 
 def main() -> None:
-    """Render what is missing, or what is named."""
+    """Render missing pictures, or those of the named types."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("types", nargs="*", help="names of types; default: those without a picture")
     named = parser.parse_args().types
@@ -263,7 +264,16 @@ def render(name: str, folder: Path) -> None:
     width = 2 * _EDGE if name == "Panorama" else _EDGE
     size = ["--width", str(width), "--height", str(_EDGE), "--samples", str(_SAMPLES)]
     output = folder / f"{name}.png"
-    command = [sys.executable, "-m", "nocturne_client", "render", scene, "-o", output, *size]
+    command: list[str | Path] = [
+        sys.executable,
+        "-m",
+        "nocturne_client",
+        "render",
+        scene,
+        "-o",
+        output,
+        *size,
+    ]
     subprocess.run(command, check=True, capture_output=True)  # noqa: S603
     buffer = oiio.ImageBuf(str(output))
     for quality in (90, 80, 70, 60, 50):

@@ -25,7 +25,8 @@ are against [stored references](accuracy.md). Times are CPU times of one process
 compiling, measured in one run, in turns. relMSE = mean of (I - R)^2 / (R^2 + 0.01 mean(R)^2).
 
 Films have only some 24 by 16 pixels, so that references are small: this compares methods, not pictures of
-a million pixels. Mitsuba's llvm variants have a fixed cost for each image, which matters less on larger films.
+a million pixels. Mitsuba's llvm variants have a fixed cost for each image, which matters less on larger
+films.
 
 Every method with its error, exponent and bias: [the suite](../../bench/suite/README.md). What the default
 chooses: [chosen methods](chosen.md). `make bench` measures it again.
@@ -61,8 +62,8 @@ _ACCURACY = """# Accuracy: references and errors
 <!-- Made by `make bench`; edit bench/suite/page.py, not this page. -->
 
 How far to trust a pixel: [units and errors](units-and-errors.md). All simplifications:
-[limits](../limits.md). Scenes that break methods: [stability](stability.md). Commands: `make bench`, `make stability`; references:
-`python -m bench.suite --references`.
+[limits](../limits.md). Scenes that break methods: [stability](stability.md). Commands: `make bench`, `make
+stability`; references: `python -m bench.suite --references`.
 
 ## References
 

@@ -16,7 +16,7 @@ _SUMMARY = """# Stability: scenes that break methods
 <!-- Made by `make stability`; edit tests/stability/page.py, not this page. -->
 
 Is the default right in extreme scenes, and which method is not? {count} small scenes with a known answer,
-each with one extreme feature, are traced by every method that applies. Of {cells} results, {summary}.
+each with one extreme feature, are traced by every method that applies. The {cells} results: {summary}.
 
 - *Right*: the mean over the film is the truth, within chance. *Noisy*: no fault is seen, but the standard
   error is above {noisy:g} % or tails are heavy. *Biased*: more samples do not help. *Uneven*: pixels that
@@ -116,7 +116,7 @@ def _plain(verdict: Verdict) -> dict[str, Any]:
 _RARE = """
 ## Rare light
 
-Forty scenes have small bright lights and surfaces that focus their light ([what is looked
+Forty scenes have small bright lights and surfaces that focus their light ([searched
 for](../../docs/explanation/units-and-errors.md#light-that-may-be-missing)), each traced by the default
 alone. A cell shows how many squares
 of 8 x 8 pixels, of {images} images, hold the truth in their 95 % interval; "of 90 %" if the images name the

@@ -206,7 +206,7 @@ class _Reference:
                 return _WORDS[other]
 
     def _arms(self, arms: list[dict[str, Any]]) -> list[str]:
-        """What may stand in one place, with one word for all types of a union."""
+        """The alternatives of one place, with one word for all types of a union."""
         flat = [one for arm in arms for one in (arm.get("oneOf") or arm.get("anyOf") or [arm])]
         types = {_type_of(arm) for arm in flat if "$ref" in arm}
         words: list[str] = []

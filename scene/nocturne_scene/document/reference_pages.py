@@ -103,7 +103,7 @@ SUBJECTS = (
     Subject(
         "sensors",
         "Cameras and meters",
-        "What is measured, and from where. A scene has one sensor.",
+        "Cameras show luminance; meters read illuminance and intensity. A scene has one sensor.",
         (
             *("Pinhole", "ThinLens", "Aperture", "Orthographic", "Panorama", "IrradianceMeter"),
             *("RadianceMeter", "IntensityMeter", "Meters", "Instrument", "MeterGrid", "Bands"),

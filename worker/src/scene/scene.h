@@ -143,7 +143,7 @@ struct Scene {
     }
     return radiance;
   }
-  /// f(light group, radiance) for each source of what distant_radiance has together. `place` in the
+  /// f(light group, radiance) for each source that distant_radiance adds up. `place` in the
   /// environment, as a SkyPlace or as it was drawn, or none.
   template <int N, class SeesPast, class Place, class F>
   void for_each_distant_group(Vec3 direction, const Spectral<N>& wavelengths_nm,

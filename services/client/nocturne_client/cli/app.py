@@ -35,7 +35,7 @@ app = typer.Typer(
 
     On a service: nocturne up, and in another shell nocturne submit scene.json --error 2% --watch
 
-    What is missing here? nocturne doctor
+    Missing programs: nocturne doctor
     """,
     epilog="Exit status: 0 done; 1 failed, or images differ; 2 wrong arguments or input; 3 no service there; "
     "4 some tiles lack samples; 130 interrupted.",

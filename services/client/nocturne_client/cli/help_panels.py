@@ -1,4 +1,4 @@
-"""`nocturne --help` in groups by what people want, each command with a line of at most 60 letters."""
+"""`nocturne --help` in groups by purpose, each command with a line of at most 60 letters."""
 
 import typer
 from typer.models import CommandInfo, TyperInfo
@@ -66,7 +66,8 @@ def arrange(app: typer.Typer) -> None:
     """Puts all commands of the program into their panels, in this order."""
     order = [name for panel in PANELS.values() for name in panel]
     for panel, lines in PANELS.items():
-        for each in (*app.registered_commands, *app.registered_groups):
+        named: list[CommandInfo | TyperInfo] = [*app.registered_commands, *app.registered_groups]
+        for each in named:
             name = _name(each)
             if name in lines:
                 each.rich_help_panel = panel

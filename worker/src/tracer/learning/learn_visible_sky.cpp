@@ -11,7 +11,7 @@ namespace nocturne {
 namespace {
 
 /// Part of the photons towards lights that no surface stops, from which on the sky is open: knowing
-/// what is visible could bring a factor of two at most. In the living room of bench/real it is
+/// the visible part could bring a factor of two at most. In the living room of bench/real it is
 /// 0.04.
 constexpr double kOpen = 0.3;
 
@@ -24,7 +24,7 @@ LearnedSky learn_visible_sky(Scene& scene, Film film, double samples, unsigned t
   scene.options.direction = Direction::kAdjoint;
   scene.options.sharing = 1;
   scene.options.seed = ~before.seed;
-  // Photons that fly towards lights tell what they meet.
+  // Photons that fly towards lights report their hits.
   scene.occlusion_decides = false;
   const double of_line = static_cast<double>(film.width);
   const auto count = static_cast<std::uint32_t>(
