@@ -135,12 +135,17 @@ class _Reference:
         schema = self._objects[name]
         rows = self._rows(name)
         shared = [each for each in SHARED if self._has(name, each)]
-        own = [rows[field] for field in rows if not any(field in each.fields for each in shared)]
+        known = {field for each in shared for field in each.fields}
+        if name in self._examples:
+            # Its example has the one value.
+            known.add("type")
+        own = [rows[field] for field in rows if field not in known]
         parts = [f"## {name}", "", inspect.cleandoc(schema["description"]), ""]
         parts += self._example(name)
         if own:
             parts += [*_TABLE, *own, ""]
-        parts += [f"Also the {_shared_link(each)}.\n" for each in shared]
+        if shared:
+            parts += [f"Also the {' and the '.join(map(_shared_link, shared))}.", ""]
         return "\n".join(parts)
 
     def _example(self, name: str) -> list[str]:

@@ -194,6 +194,7 @@ SHARED = (
             *("wavelengths", "motion"),
         ),
     ),
+    SharedFields("Fields of all cameras", "sensors", ("stokes", "position", "look_at", "up")),
     SharedFields("Fields of all lights", "lights", ("hidden_from", "light_group")),
     SharedFields("Fields of skies with a Sun", "lights", ("sun", "place", "time", "up")),
     SharedFields(
