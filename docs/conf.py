@@ -24,6 +24,7 @@ include_patterns = [
     "tests/faults/README.md",
     "tests/mitsuba/README.md",
     "tests/stability/README.md",
+    "worker/README.md",
     "services/web/README.md",
     "CHANGELOG.md",
     "CONTRIBUTING.md",
