@@ -33,14 +33,14 @@ class Audited(Shell):
         return self.tell(ResultCame(at(now), self.entry(), result.SerializeToString(), 0.0))
 
     def convict(self) -> list[do.Instruction]:
-        """Two others say that a result of the liar was wrong."""
+        """Two others say that a result of the faulty worker was wrong."""
         self.first_range("a", 0.3)
         self.tell(StreamIsReady(at(0.4)))
         return self.first_range("b", 0.5)
 
 
 def accused() -> Audited:
-    """The liar's result is merged, and its audit on the stream."""
+    """The faulty worker's result is merged, and its audit on the stream."""
     shell = Audited()
     shell.tell(StreamIsReady(at(0.1)))
     shell.first_range("liar", 0.2, wrong=True)

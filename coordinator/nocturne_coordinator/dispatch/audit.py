@@ -42,7 +42,7 @@ def _owners(machines: Iterable[str]) -> set[str]:
 @dataclass(slots=True)
 class _Audit:
     witnesses: dict[str, bytes]
-    """First digest by worker; the first worker is the author of what is merged."""
+    """First digest by worker; the first worker is the author of the merged result."""
     differs: bool = False
     asks: int = 0
     published: Published | None = None
@@ -85,7 +85,7 @@ class Auditor:
         live: Callable[[], Collection[str]],
         draw: float,
     ) -> None:
-        """A result was taken; perhaps it is to be audited, later where nobody else works by now.
+        """A result was taken; perhaps it is to be audited, later if no other worker is there by now.
 
         `draw`: at random in [0, 1), not to be foreseen by a worker that lies only where nobody looks.
         """
@@ -110,7 +110,7 @@ class Auditor:
                 self._waiting.append(key)
 
     def again(self, key: JobKey, worker: str, partial: job_pb2.Partial, live: Collection[str]) -> Finding:
-        """A valid result of a job that was done before. Nobody confirms what it said itself; machines of one
+        """A valid result of a job that was done before. Nobody confirms its own result; machines of one
         token confirm each other where no other token's are `live`."""
         audit = self._open.get(key)
         if audit is None:
@@ -150,7 +150,7 @@ class Auditor:
 
     def _ask_again(self, key: JobKey, audit: _Audit) -> None:
         if key in self._alone:
-            # Who did the job has done it again, and nobody else is there yet.
+            # The same worker has done the job again, and no other is there yet.
             return
         if audit.asks < _ASKS or len(set(audit.witnesses.values())) > 1:
             if key not in self._waiting:
@@ -214,8 +214,8 @@ class Auditor:
         return any(key.render_id == render_id for key in self._open)
 
     def only_others_could(self, render_id: str, live: Collection[str]) -> bool:
-        """Whether all open audits of a render wait for somebody to come: who did the work is there, and
-        nobody else ever was."""
+        """Whether all open audits of a render wait for somebody to come: the worker that did the work is
+        there, and no other ever was."""
         return all(
             key in self._alone and not audit.witnesses.keys().isdisjoint(live)
             for key, audit in self._open.items()
@@ -231,7 +231,7 @@ class Auditor:
         ]
 
     def give_up(self, render_id: str) -> list[bytes]:
-        """The render ends, or is let go: what nobody settled is counted, but for what is disputed. Gives
+        """The render ends, or is let go: unsettled audits are counted, except disputed ones. Gives
         entries to delete."""
         keys = [
             key

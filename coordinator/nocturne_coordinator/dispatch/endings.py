@@ -62,7 +62,7 @@ class Endings:
 
     def _audits_are_done(self, render: RunningRender, now: float) -> bool:
         """Whether no audit of the render is open, or none that others than the audited worker could
-        settle. Where all others are at long jobs it waits no longer than it ran, but for what is disputed.
+        settle. Where all others are at long jobs it waits no longer than it ran, except for disputed ones.
         """
         state = self._state
         if not state.auditor.pending(render.id):

@@ -233,7 +233,7 @@ def check_sums(sums: TileSums, samples: int, signed: Sequence[bool] = ()) -> Non
     np.multiply(squares[:2], squares[1:], out=bounds[:2])
     np.multiply(squares[0], squares[2], out=bounds[2])
     _check_products(mixed * mixed, bounds, slack=2e-9, least=1e-300)
-    # Values are never negative: products of what n have together are at least the sum of their own.
+    # Values are never negative: products of the totals of n are at least the sum of the n products.
     together = table[3:, pixels:]
     apart = np.empty_like(together)
     apart[:, :-1] = pixels_of_blocks[3:]

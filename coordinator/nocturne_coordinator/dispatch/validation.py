@@ -1,4 +1,4 @@
-"""Whether the core's state is one that may be: the invariants of docs/reliability.md that can be seen in it.
+"""Whether the core's state is one that may be: those invariants of coordinator/README.md that it shows.
 Pure.
 
 Each range has one state (I2), which is the same in the scheduler and in the film (I6); samples, counts and

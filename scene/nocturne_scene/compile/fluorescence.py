@@ -104,7 +104,7 @@ def _matrix(workspace: Workspace, matrix: Reradiation) -> list[_Part]:
 
 
 def _times_wavelength(wavelengths: Floats, values: Floats) -> float:
-    """The integral of what is linear between knots times wavelength: Simpson's rule is exact."""
+    """The integral of a piecewise linear function times wavelength: Simpson's rule is exact."""
     middle = 0.5 * (wavelengths[1:] + wavelengths[:-1])
     mean = 0.5 * (values[1:] + values[:-1])
     product = wavelengths * values

@@ -83,7 +83,7 @@ struct BoundDielectric {
   }
   bool transmits() const { return smooth(); }
 
-  /// Each photon for itself: what is refracted has the facet of its own index.
+  /// Each photon separately: refracted light has the facet of the photon's index.
   Mueller<N> mueller(Vec3 wo, Vec3 wi, std::uint32_t photons) const {
     const bool reflects = wi.z > 0.0f;
     Mueller<N> found;

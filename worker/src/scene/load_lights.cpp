@@ -167,7 +167,7 @@ EnvironmentMap load_map(const LoadContext& context, const v1::EnvironmentMap& me
                          vector(message.z(), "a map's axis")});
 }
 
-// Each is told apart by some response, or none is.
+// Each has a response, or none has.
 std::uint32_t load_light_group(const LoadContext& context, std::uint32_t number) {
   std::uint32_t groups = 0;
   for (const auto& response : context.message.sensor().further_responses()) {

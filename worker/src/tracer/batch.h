@@ -180,7 +180,7 @@ struct Batch {
   const Scene& scene;
   const TracingOptions& options;
   const bool both;
-  /// Light groups are told apart.
+  /// Light groups are kept separate.
   const bool tells_groups;
   /// Whether groups note their paths' ends.
   const bool knows_ends;
@@ -203,7 +203,7 @@ struct Batch {
   /// Of adjoint photons.
   Sharing<N> sharing;
   std::vector<ShadowRay<N>> shadow_rays;
-  /// In their order, and only where light groups are told apart.
+  /// In their order, and only where light groups are kept separate.
   std::vector<ShadowLight<N>> shadow_lights;
   std::vector<std::uint8_t> blocked;
   std::vector<CameraRay<N>> camera_rays;

@@ -85,7 +85,7 @@ class FilmSums {
   std::uint32_t added_bundles_ = 0;
 };
 
-/// A tile's ranges, added up in sample order. `done` is told the photons of each.
+/// A tile's ranges, added up in sample order. `done` gets the photons of each.
 template <class Done>
 TileSums trace_ranges(const Scene& scene, const FilmPlan& plan, std::size_t index,
                       const Ranges& samples, const Done& done) {

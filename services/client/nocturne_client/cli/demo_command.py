@@ -1,4 +1,4 @@
-"""`nocturne demo`: the Cornell box, rendered by a service of one's own, and what there is to see."""
+"""`nocturne demo`: the Cornell box, rendered by a service on this machine, and where to look."""
 
 import math
 import os

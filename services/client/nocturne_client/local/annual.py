@@ -29,7 +29,7 @@ ASE_VERDICT = 0.10
 
 @dataclass(frozen=True)
 class Annual:
-    """What is asked for."""
+    """The study that is asked for."""
 
     scene: Path
     weather: Path
@@ -37,7 +37,7 @@ class Annual:
     rounds: Rounds
     north: Floats | None
     ground_reflectance: float
-    """Of what lies beyond the scene."""
+    """Of the ground beyond the scene."""
     hours: tuple[float, float]
     """Of the day, from and to."""
     lux: float
@@ -48,7 +48,7 @@ class Annual:
 
 @dataclass(frozen=True)
 class YearOfLight:
-    """What was found."""
+    """The results."""
 
     year: WeatherYear
     points: Points

@@ -113,7 +113,7 @@ def _csv(rows: Sequence[Sequence[Any]]) -> str:
 
 
 def lines(found: YearOfLight) -> list[str]:
-    """What there is to say, to read."""
+    """The results as lines to read."""
     said = [f"{found.year.name}: {found.hours} hours, {len(found.points.names)} points, 95 % intervals"]
     for name, share in (("sDA300,50%", found.sda), ("ASE1000,250h", found.ase)):
         said.append(f"{name} {share.value:.1%} ({share.low:.1%} to {share.high:.1%}) of the points")

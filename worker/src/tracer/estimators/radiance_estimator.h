@@ -105,7 +105,7 @@ class RadianceEstimator {
     if (tells_parts_ && direct) add_to(direct_[tally], found);
   }
 
-  /// What of it is of a light group; only where these are told apart.
+  /// The part of a light group; only where these are kept separate.
   void add_of_group(std::uint32_t tally, std::uint32_t light_group, const Spectral<N>& found) {
     add_to(of_group(tally, light_group), found);
   }
@@ -144,7 +144,7 @@ class RadianceEstimator {
 
   using Tally = std::array<double, N>;
   using Gathered = TracingOptions::Gathered;
-  // The light group of what was given none.
+  // The light group of lights without a name.
   static constexpr std::uint32_t kUngrouped = 0;
 
   static void add_to(Tally& sum, const Spectral<N>& found) {

@@ -11,7 +11,7 @@ namespace nocturne {
 namespace {
 
 /// Part of the photons towards lights that no surface stops, from which on the sky is open: knowing
-/// what is visible could bring a factor of two at most. In the living room of bench/real it is
+/// the visible part could bring a factor of two at most. In the living room of bench/real it is
 /// 0.04.
 constexpr double kOpen = 0.3;
 

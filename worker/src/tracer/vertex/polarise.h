@@ -21,7 +21,7 @@ PassedOn<N> pass_vertex(Batch& batch, const Group<N>& group, const Vertex<N>& ve
   if constexpr (requires { kernel.axis; }) {
     passed.beyond.turn_to(across_ray(kernel.axis, leaves), leaves);
   } else {
-    // What goes straight on was in a pane all the same.
+    // Light that goes straight on was in a pane all the same.
     const bool straight = along_each_other(comes, leaves);
     passed.beyond.turn_to(across_both(straight ? vertex.frame.normal : comes, leaves), leaves);
   }
@@ -37,7 +37,7 @@ requires(Batch::kPolarised) void polarise(Batch& batch, Group<N>& group, const V
   batch.change_polarisation(group, passed.beyond);
 }
 
-/// Of what comes straight from a light.
+/// Of light that comes straight from a luminaire.
 template <class Batch, int N, class Kernel>
 requires(Batch::kPolarised) PassedOn<N> polarise_light(Batch& batch, const Group<N>& group,
                                                        const Vertex<N>& vertex,
