@@ -38,8 +38,8 @@ def report(
         typer.Option(
             "--scene",
             metavar="SCENE.json",
-            help="The scene of the image, for outlines of the room, luminaires and materials. A render of the "
-            "service has its own, unless that needs files.",
+            help="The scene of the image, for outlines of the room, luminaires and materials. A render of "
+            "the service has its own, unless that needs files.",
         ),
     ] = None,
     require: Annotated[
