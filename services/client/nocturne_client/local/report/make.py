@@ -177,7 +177,7 @@ def _facts(asked: Asked, header: _header, samples: int, now: datetime) -> list[s
 
 def _warnings(header: _header) -> list[str]:
     found = header("nocturne:warnings").splitlines()
-    if doubt := header("nocturne:errorWarning"):
+    if error_warning := header("nocturne:errorWarning"):
         found.insert(
             0,
             f"The errors of this image are not to be trusted, and no requirement is decided: {error_warning}",
