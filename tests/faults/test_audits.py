@@ -31,7 +31,7 @@ def test_a_worker_that_contradicts_itself_is_faulty(seconds: tuple[str, str]) ->
     """L5: asked second or third, it now sends the right result: its first one is in the image."""
     auditor = audited("a", WRONG, "a", "b", "c")
     found = [auditor.again(KEY, worker, RIGHT, {"a", "b", "c"}) for worker in seconds]
-    assert [worker for finding in found for worker in finding.liars] == ["a"]
+    assert [worker for finding in found for worker in finding.mismatching] == ["a"]
     assert auditor.agreed == 0
     assert auditor.mismatches == 1
 
@@ -60,7 +60,7 @@ def test_an_auditor_that_contradicts_itself_leaves_the_audit_open() -> None:
     """L5: another one has to decide."""
     auditor = audited("a", RIGHT, "a", "b", "c")
     auditor.again(KEY, "b", WRONG, {"a", "b", "c"})
-    assert list(auditor.again(KEY, "b", RIGHT, {"a", "b", "c"}).liars) == ["b"]
+    assert list(auditor.again(KEY, "b", RIGHT, {"a", "b", "c"}).mismatching) == ["b"]
     assert auditor.again(KEY, "c", RIGHT, {"a", "b", "c"}).agreed
 
 
@@ -88,8 +88,8 @@ def test_machines_of_one_token_do_not_confirm_each_other_beside_others() -> None
     assert not auditor.again(KEY, "pool:2", WRONG, live).agreed
     assert auditor.mismatches == 0
     found = auditor.again(KEY, "other", RIGHT, live)
-    assert (found.agreed, found.liars, auditor.mismatches) == (False, {}, 1)
-    assert auditor.again(KEY, "third", RIGHT, live).liars.keys() == live - {"other"}
+    assert (found.agreed, found.mismatching, auditor.mismatches) == (False, {}, 1)
+    assert auditor.again(KEY, "third", RIGHT, live).mismatching.keys() == live - {"other"}
 
 
 def test_a_faulty_machine_is_found_by_those_of_its_token() -> None:
@@ -98,7 +98,7 @@ def test_a_faulty_machine_is_found_by_those_of_its_token() -> None:
     auditor = audited("pool:1", RIGHT, *live)
     auditor.again(KEY, "pool:2", WRONG, live)
     found = auditor.again(KEY, "pool:3", RIGHT, live)
-    assert (found.agreed, list(found.liars)) == (False, ["pool:2"])
+    assert (found.agreed, list(found.mismatching)) == (False, ["pool:2"])
     assert auditor.again(KEY, "other", RIGHT, live).agreed
 
 
@@ -119,9 +119,9 @@ def test_a_faulty_node_of_a_pool_is_out_and_the_others_work_on() -> None:
 def test_the_third_faulty_machine_of_a_token_puts_all_of_it_out() -> None:
     """P15."""
     policy = FailurePolicy()
-    assert [policy.lied(f"pool:{node}", 0.0) for node in (1, 1, 2, 3)] == [False, False, False, True]
-    assert [policy.lied(f"old:{day}", 86400.0 * day) for day in (1, 2, 3)] == [False] * 3
-    assert not any(policy.lied(f"alone-{number}", 0.0) for number in range(5))
+    assert [policy.mismatched(f"pool:{node}", 0.0) for node in (1, 1, 2, 3)] == [False, False, False, True]
+    assert [policy.mismatched(f"old:{day}", 86400.0 * day) for day in (1, 2, 3)] == [False] * 3
+    assert not any(policy.mismatched(f"alone-{number}", 0.0) for number in range(5))
     fleet = Fleet()
     fleet.quarantined = {"pool": "Three of its machines were found faulty."}
     names = ("pool:1/a", "pool:9/b", "other/c")

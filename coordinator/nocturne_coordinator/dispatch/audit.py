@@ -53,7 +53,7 @@ class Finding:
     """What a result that came again showed."""
 
     agreed: bool = False
-    liars: dict[str, str] = field(default_factory=dict)
+    mismatching: dict[str, str] = field(default_factory=dict)
     """Workers that are proven faulty, and by what."""
     withdrawn: list[bytes] = field(default_factory=list)
     """Job entries that are not needed any more."""
@@ -121,7 +121,7 @@ class Auditor:
         author = next(iter(witnesses))
         is_confirmed = False
         if witnesses.setdefault(worker, digest) != digest:
-            finding.liars[worker] = "It sent two different results"
+            finding.mismatching[worker] = "It sent two different results"
         else:
             alike = [other for other, seen in witnesses.items() if seen == digest]
             differing = [other for other in witnesses if other not in alike]
@@ -129,22 +129,22 @@ class Auditor:
             is_confirmed = is_believed and (len(_owners(alike)) > 1 or len(_owners([*alike, *live])) == 1)
             if is_believed:
                 proof = "Its result differs from that of two other workers"
-                finding.liars = dict.fromkeys(differing, proof)
+                finding.mismatching = dict.fromkeys(differing, proof)
         self._differs(audit, finding)
-        for liar in finding.liars:
-            del witnesses[liar]
+        for worker in finding.mismatching:
+            del witnesses[worker]
         if is_confirmed:
             finding.agreed = True
             self.agreed += 1
-        if is_confirmed or author in finding.liars:
-            # All work of an author that sent wrong results is thrown away; who does it again may be audited.
+        if is_confirmed or author in finding.mismatching:
+            # Of an author whose results mismatch all work is thrown away; who does it again may be audited.
             self._close(key)
         else:
             self._ask_again(key, audit)
         return finding
 
     def _differs(self, audit: _Audit, finding: Finding) -> None:
-        if not audit.differs and (finding.liars or len(set(audit.witnesses.values())) > 1):
+        if not audit.differs and (finding.mismatching or len(set(audit.witnesses.values())) > 1):
             audit.differs = True
             self.mismatches += 1
 

@@ -8,7 +8,7 @@ from nocturne_coordinator.dispatch.instructions import MakePictures, Steps, With
 from nocturne_coordinator.dispatch.records import RenderState
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.state import State
-from nocturne_coordinator.errors import FolderTrouble, LeaseLost
+from nocturne_coordinator.errors import LeaseLost, StoreUnavailable
 
 _LONELY_SECONDS = 10.0
 """How long audits at the end of a render wait for a worker that could settle them, while there is none."""
@@ -55,7 +55,7 @@ class Endings:
                 yield from self._end_with_image(render, state, reason, at)
         except LeaseLost as lost:
             yield from self._commits.lose(lost.render_id)
-        except FolderTrouble as trouble:
+        except StoreUnavailable as trouble:
             yield from self._commits.report(trouble)
         else:
             self._next_finish = at.now

@@ -47,7 +47,7 @@ def compile_fluorescent(workspace: Workspace, kernel: Lambertian) -> scene_pb2.F
             raise Unusable(str(error), f".fluorescence[{number}]{error.suffix}") from None
         for part in parts:
             taken = taken + part.taken
-            if spectra.is_dark(part.absorption, workspace.wavelengths) or spectra.is_black(part.emission):
+            if any(spectra.is_dark(each, workspace.wavelengths) for each in (part.absorption, part.emission)):
                 continue
             made.fluorophores.add(
                 absorption=workspace.spectra.index_of(part.absorption),

@@ -162,7 +162,7 @@ def body_of(message: WebhookMessage) -> bytes:
             "name": message.name,
             "state": message.state,
             "reason": message.reason,
-            "doubt": message.doubt,
+            "error_warning": message.error_warning,
         },
     }
     return json.dumps(content, separators=(",", ":"), ensure_ascii=False).encode("utf-8", "replace")

@@ -48,10 +48,14 @@ requires(Batch::kPolarised) PassedOn<N> polarise_light(Batch& batch, const Group
   return passed;
 }
 
-/// Part of the light of the latest shadow ray, whatever its group.
+/// Part of the light of the latest shadow ray. For Stokes vectors its light group does not matter.
 template <class Batch, int N>
-void add_shadow_light(Batch& batch, const PassedOn<N>& passed, std::uint32_t,
+void add_shadow_light(Batch& batch, const PassedOn<N>& passed, std::uint32_t light_group,
                       const Spectral<N>& part) {
+  if (!batch.scene.wavelengths.tells_stokes()) {
+    batch.shadow_lights.push_back({batch.shadow_rays.size() - 1, light_group, part});
+    return;
+  }
   for (std::uint32_t i = 0; i < 3; ++i) {
     batch.shadow_lights.push_back(
         {batch.shadow_rays.size() - 1, i, part * passed.beyond.to_sensor[i + 1][0]});
