@@ -103,6 +103,7 @@ def test_every_dependency_of_python_has_its_reason() -> None:
     projects = [_project(file) for file in _PROJECTS]
     required = [
         *(name for project in projects for name in project.get("dependencies", ())),
+        *(name for project in projects for name in project.get("optional-dependencies", {}).get("all", ())),
         *projects[0]["optional-dependencies"]["dev"],
     ]
     names = [re.split(r"[\[<>=!~; ]", requirement)[0] for requirement in required]

@@ -16,6 +16,7 @@ from nocturne_client.cli import (
     measure_commands,
     parts_commands,
     preflight_command,
+    report_command,
     service_commands,
     token_commands,
     up_commands,
@@ -73,6 +74,7 @@ parts_commands.add_to(app)
 preflight_command.add_to(app)
 validate_command.add_to(app)
 annual_command.add_to(app)
+report_command.add_to(app)
 app.add_typer(token_commands.app)
 app.add_typer(webhook_commands.app)
 help_panels.arrange(app)

@@ -36,6 +36,7 @@ PANELS: dict[str, dict[str, str]] = {
         "glare": "UGR and DGP of a panorama or fisheye",
         "ugr": "Print the UGR table of a luminaire (CIE 117, CIE 190)",
         "point": "All illuminances at the point of a panorama",
+        "report": "Report on the light of a room; is a requirement met?",
         "mix": "Dim light groups of an image; nothing is traced",
         "compare": "Test whether two images differ by more than noise",
         "baseline": "Compare a render with one by another engine",
@@ -45,7 +46,7 @@ PANELS: dict[str, dict[str, str]] = {
         "validate": "Render scenes with known readings; say how far off they are",
     },
     "Scenes": {
-        "import": "Make a scene document of a Mitsuba, pbrt or glTF scene",
+        "import": "Make a document of a Mitsuba, pbrt, glTF, Radiance scene",
         "export": "Write a scene document for Mitsuba 3 or pbrt-v4",
         "compile": "Compile a scene for nocturne-trace",
         "openjd": "Write a render as a job for another queue (OpenJD)",
