@@ -6,6 +6,7 @@ from nocturne_client.local.chart import Line, write_chart
 from nocturne_client.local.programs import CHECKOUT
 
 from bench import accumulation, error_bars
+from bench.coverage_chart import coverage_chart
 from bench.errors import expected_relmse
 from bench.report import Figures, Row, kept, results_folder
 from bench.suite.aims import AIMS, WHY, best
@@ -15,6 +16,7 @@ from bench.suite.references import load
 from bench.suite.scenes import SCENES
 
 SUMMARY = "speed-summary.json"
+COVERAGE = "coverage.svg"
 
 _SPEED = """# Speed: error against time
 
@@ -92,6 +94,8 @@ def write_pages(figures: Figures) -> None:
     (CHECKOUT / "bench" / "suite" / "README.md").write_text(details(figures))
     (docs / "accuracy.md").write_text(accuracy(references()))
     (docs / "chosen.md").write_text(chosen(figures, kept()))
+    if "error_bars" in kept():
+        (results_folder() / COVERAGE).write_text(coverage_chart(kept()["error_bars"]))
     for name, found in figures.items():
         _chart(name, found["ways"])
     summary = results_folder() / SUMMARY

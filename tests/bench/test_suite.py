@@ -13,6 +13,7 @@ from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.chart import Line, write_chart
 
 from bench.accumulation import _sums
+from bench.coverage_chart import coverage_chart
 from bench.error_bars import SCENES as NAMES
 from bench.error_bars import SEQUENCES, diagnosis
 from bench.peer.agreement import Reference
@@ -251,3 +252,13 @@ def test_plain_tracer_must_give_the_same_image() -> None:
     _same(full, replace(full, tracing_cpu_s=2.0))
     with pytest.raises(NocturneClientError, match="another image"):
         _same(full, replace(full, xyz=1.0000001 * image))
+
+
+def test_the_chart_of_coverage_has_a_dot_for_each_reading() -> None:
+    """At the heights of what was observed: 80 % lies midway between 60 and 100 %."""
+    figures = {"cornell, sobol": {"coverage": {"68 %": 0.8, "95 %": 1.0, "99 %": 0.6}}}
+    dots = re.findall(r'cy="([0-9.]+)" r="4" fill="[^"]+">\s*<title>([^<]+)', coverage_chart(figures))
+    heights = {told: float(y) for y, told in dots}
+    assert set(heights) == {f"cornell, sobol: {each} %" for each in ("80", "100", "60")}
+    middle = (heights["cornell, sobol: 100 %"] + heights["cornell, sobol: 60 %"]) / 2
+    assert heights["cornell, sobol: 80 %"] == pytest.approx(middle)
