@@ -87,8 +87,11 @@ def _mixture(chance: Chance, *, wide: bool) -> Document:
 
 
 def _varied(chance: Chance, *, wide: bool, dark: bool) -> Document:
-    """Whatever else the language has to say about tracing. `dark`: glass or media absorb. Of light that metres
-    of them absorb roulette from the first vertex on leaves one photon in thousands (crossing 70086)."""
+    """Whatever else the language has to say about tracing. `dark`: glass or media absorb.
+
+    Of light that metres of them absorb, roulette from the first vertex on leaves one photon in thousands
+    (crossing 70086).
+    """
     estimator = chance.pick(["split", "two_photons", "split"])
     made: Document = {"direction": "adjoint", "guide": "none", "estimator": estimator}
     made |= _mixture(chance, wide=wide)

@@ -202,6 +202,7 @@ SHARED = (
         "materials",
         ("roughness", "roughness_u", "roughness_v", "distribution"),
     ),
+    SharedFields("Fields of spectra as light", "spectra", ("luminance",)),
     SharedFields("Fields of a placement", "shapes", ("scale", "rotate", "translate")),
     SharedFields("Fields of all uses of a texture", "textures", ("texture", "scale", "offset")),
 )
