@@ -1,4 +1,4 @@
-"""Values of an image on the grid of the standard, with what they say of the whole."""
+"""Values of an image on the grid of the standard, their mean and their least value."""
 
 import math
 from dataclasses import dataclass

@@ -83,7 +83,7 @@ def _section(section: Section) -> Iterator[Flowable]:
     parts: list[Flowable] = [Paragraph(escape(each), _style(9)) for each in section.paragraphs if each]
     parts += [_Drawn(each) for each in section.drawings]
     parts += [_table(each) for each in section.tables]
-    # A title stays with what comes first below it.
+    # A title stays with the first part below it.
     yield KeepTogether([*head, *parts[:1]])
     yield from parts[1:]
     for note in section.notes:
