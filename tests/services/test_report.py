@@ -71,6 +71,43 @@ def test_readings_are_those_of_measure(evening: Path, tmp_path: Path) -> None:
     assert float(found[2]) == pytest.approx(half, rel=0.06)
 
 
+def test_a_render_of_the_service(evening: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its image and its document are fetched; a document that names files is left out, and that is said."""
+
+    class Service:
+        def __init__(self, url: str | None) -> None:
+            assert url == "http://there"
+
+        def __enter__(self) -> "Service":
+            return self
+
+        def __exit__(self, *_: object) -> None:
+            pass
+
+        def download(self, render: str, kind: str, path: Path) -> Path:
+            assert render == "r-1"
+            document = json.loads((OFFICE / "scene.json").read_text())
+            if "groups" in document and not self.files:
+                del document["groups"], document["instances"]
+                document["environment"] = {"radiance": 1.0}
+            path.write_bytes(evening.read_bytes() if kind == "exr" else json.dumps(document).encode())
+            return path
+
+        files = False
+
+    monkeypatch.setattr("nocturne_client.cli.report_command.Client", Service)
+    words = "report", "r-1", "--url", "http://there", "-o", tmp_path / "report.html"
+    _run(*words)
+    page = (tmp_path / "report.html").read_text()
+    assert "<h2>Materials</h2>" in page
+    assert "r-1; 256 samples a meter" in page
+    monkeypatch.setattr(Service, "files", True)
+    _run(*words)
+    page = (tmp_path / "report.html").read_text()
+    assert "<h2>Materials</h2>" not in page
+    assert "No scene document was given" in page
+
+
 def test_equal_images_give_equal_reports(evening: Path, tmp_path: Path) -> None:
     for name in ("one.svg", "other.svg"):
         _run("report", evening, "--scene", OFFICE / "scene.json", "-o", tmp_path / name)
