@@ -121,6 +121,36 @@ def test_a_limit_at_the_value_itself_is_open(evening: Path, tmp_path: Path) -> N
     assert "50 % that it holds" in (tmp_path / "a.html").read_text()
 
 
+def test_a_year_in_a_report(evening: Path, tmp_path: Path) -> None:
+    """Heat map, histogram, table, and a verdict by the points' probabilities: with ten points that pass with
+    90 % each, nine or more do with 0.9^10 + 10 x 0.9^9 x 0.1 = 0.736."""
+    share = {"value": 0.9, "low": 0.7, "high": 1.0}
+    days = [[0.0] * 8 + [400.0] * 8 + [0.0] * 8] * 365
+    figure = {"value": 0.5, "low": 0.4, "high": 0.6}
+    annual = {
+        "weather": "Here",
+        "hours": 3650,
+        "sDA": share | {"probabilities": [0.9] * 10},
+        "ASE": share,
+        "verdicts": [],
+        "hourly": [each for day in days for each in day],
+        "means": {"DA": figure},
+        "points": [{"DA": {"value": 0.05 + 0.1 * i}} for i in range(10)],
+    }
+    year, page = tmp_path / "year.json", tmp_path / "report.html"
+    year.write_text(json.dumps(annual))
+    said = _run("report", evening, "--annual", year, "--require", "sDA=90", "-o", page)
+    assert "open" in said
+    html = page.read_text()
+    assert "open, 74 % that it holds" in html
+    assert "mean illuminance by day and hour" in html
+    drawn = re.search(r"<svg[^>]*><title>mean illuminance by day.*?</svg>", html)
+    assert drawn is not None
+    # A row of light for each of the eight hours, one of night for each other, and the legend's ten.
+    assert drawn[0].count("<polygon") == 24 + 10
+    assert "points by their daylight autonomy" in html
+
+
 def test_what_is_refused(evening: Path, tmp_path: Path) -> None:
     out = tmp_path / "report.html"
     for words, told in (
