@@ -124,7 +124,10 @@ def _widths(table: Table) -> list[float]:
     columns = list(zip(table.head, *table.rows, strict=True))
     wanted = [min(46.0, max(6.0, *(0.8 * len(text) + 3.0 for text in column))) for column in columns]
     # No word is cut, but digests are.
-    words = [max(len(word) for text in column for word in text.split() or [""]) for column in columns]
+    words = [
+        max(len(word) for text in column for word in text.replace(" ± ", "_±_").split() or [""])
+        for column in columns
+    ]
     wanted = [max(each, min(1.15 * word + 3.0, 30.0)) for each, word in zip(wanted, words, strict=True)]
     return [_WIDTH * each / sum(wanted) for each in wanted]
 

@@ -63,16 +63,16 @@ def histogram(parts: Sequence[float]) -> Drawing:
     """Points by their daylight autonomy, a part of the hours."""
     counts, _ = np.histogram(np.clip(parts, 0.0, 1.0), _BINS, (0.0, 1.0))
     high, wide = 24.0, 11.0
-    drawing = Drawing(_WIDTH, _TOP + high + 9.0, title="points by their daylight autonomy")
+    drawing = Drawing(_WIDTH, _TOP + high + 12.0, title="points by their daylight autonomy")
     drawing.add(Text(_LEFT, 4.0, "points by their daylight autonomy, % of the hours", 2.6))
     for index, count in enumerate(counts.tolist()):
         tall = high * count / max(counts.max(), 1)
-        x, y = _LEFT + index * wide, _TOP + high + 1.0
+        x, y = _LEFT + index * wide, _TOP + high + 4.0
         drawing.rectangle(x + 0.5, y - tall, wide - 1.0, tall, COLOURS[3])
         if count:
             drawing.add(Text(x + 0.5 * wide, y - tall - 0.8, f"{count}", 2.4, "middle"))
         drawing.add(Text(x, y + 3.5, f"{100 * index // _BINS}", 2.4, "middle"))
-    drawing.add(Text(_LEFT + _BINS * wide, _TOP + high + 4.5, "100", 2.4, "middle"))
-    ends = (_LEFT, _TOP + high + 1.0), (_LEFT + _BINS * wide, _TOP + high + 1.0)
+    drawing.add(Text(_LEFT + _BINS * wide, _TOP + high + 7.5, "100", 2.4, "middle"))
+    ends = (_LEFT, _TOP + high + 4.0), (_LEFT + _BINS * wide, _TOP + high + 4.0)
     drawing.add(Line(ends, "#222222", 0.3))
     return drawing
