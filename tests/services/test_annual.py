@@ -1,4 +1,4 @@
-"""`nocturne annual`: its outputs, and what it refuses."""
+"""`nocturne annual`: its outputs and its refusals."""
 
 import csv
 import json

@@ -17,7 +17,7 @@ from nocturne_scene.daylight.year_of_skies import YearOfSkies
 from nocturne_scene.spectra.published import Floats
 
 _SPREAD = 2.0
-"""Of the Sun's light that comes by way of surfaces, in heights of a patch's row to each side."""
+"""Of the Sun's light that comes via surfaces, in heights of a patch's row to each side."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Layout:
 
     sky: Patches
     suns: Patches
-    """Finer ones, for the Sun by way of surfaces."""
+    """Finer ones, for the Sun via surfaces."""
 
     def sunny(self, skies: YearOfSkies) -> NDArray[np.intp]:
         """The patches that the Sun is in at some hour of the year, increasing."""
@@ -54,7 +54,7 @@ class Coefficients:
     sky: Floats
     """By batch, point and patch of the sky, lx for cd/m2."""
     reflected: Floats
-    """By batch, point and sunny patch: by any way but straight through windows."""
+    """By batch, point and sunny patch: by all paths but those straight through windows."""
     suns: Floats
     """By batch, point and sunny hour: straight from a Sun of illuminance 1 across its beam."""
     across: Floats

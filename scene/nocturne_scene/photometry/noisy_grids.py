@@ -69,8 +69,8 @@ def least_is_at_least(values: Values, errors: Values, limit: float | Values) -> 
     return holds, max(0.0, 1.0 - len(z) * float(stats.norm.cdf(z.min())))
 
 
-def _bounds(values: Values, errors: Values, doubt: float) -> tuple[float, float]:
-    one, all_of_them = stats.norm.isf(0.5 * doubt), stats.norm.isf(0.5 * doubt / len(values))
+def _bounds(values: Values, errors: Values, chance: float) -> tuple[float, float]:
+    one, all_of_them = stats.norm.isf(0.5 * chance), stats.norm.isf(0.5 * chance / len(values))
     return float((values - one * errors).min()), float((values + all_of_them * errors).min())
 
 

@@ -51,7 +51,7 @@ struct Mueller {
   }
 };
 
-/// A kernel that says what it does to polarised light; others depolarise it. `photons`: bit i,
+/// A kernel that knows its effect on polarised light; others depolarise it. `photons`: bit i,
 /// whether anybody asks of photon i.
 template <class B, int N>
 concept Polarises = requires(const B& b, Vec3 wo, Vec3 wi, std::uint32_t photons) {

@@ -45,7 +45,7 @@ def annual(
     patches: Annotated[int, typer.Option("--patches", help="Of the sky: 145, 577 or 2305.")] = 577,
     sun_patches: Annotated[
         int,
-        typer.Option("--sun-patches", help="Of the sky, for the Sun by way of surfaces: 145, 577 or 2305."),
+        typer.Option("--sun-patches", help="Of the sky, for sunlight via surfaces: 145, 577 or 2305."),
     ] = 2305,
     samples: Annotated[int, typer.Option("--samples", min=64, help="Of each point, at most.")] = 8192,
     batches: Annotated[

@@ -38,7 +38,7 @@ ASE_VERDICT = 0.10
 
 @dataclass(frozen=True)
 class Annual:
-    """What is asked for."""
+    """The study that is asked for."""
 
     scene: Path
     weather: Path
@@ -46,7 +46,7 @@ class Annual:
     rounds: Rounds
     north: Floats | None
     ground_reflectance: float
-    """Of what lies beyond the scene."""
+    """Of the ground beyond the scene."""
     hours: tuple[float, float]
     """Of the day, from and to."""
     lux: float
@@ -84,7 +84,7 @@ class Traces:
 
 @dataclass(frozen=True)
 class YearOfLight:
-    """What was found."""
+    """The results."""
 
     year: WeatherYear
     points: Points

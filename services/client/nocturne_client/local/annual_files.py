@@ -127,7 +127,7 @@ def _csv(rows: Sequence[Sequence[Any]]) -> str:
 
 
 def lines(found: YearOfLight) -> list[str]:
-    """What there is to say, to read."""
+    """The results as lines to read."""
     said = [f"{found.year.name}: {found.hours} hours, {len(found.room)} points, 95 % intervals"]
     if found.blinds_closed is not None:
         said.append(f"blinds are closed in {found.blinds_closed:.1%} of the hours")

@@ -160,7 +160,7 @@ def rounds(
     asked: Rounds,
     told: Callable[[str], None] = lambda _: None,
 ) -> Iterator[Coefficients]:
-    """Coefficients of more and more samples. Each batch is a film of its own, with other random numbers.
+    """Coefficients of more and more samples. Each batch is a separate film, with other random numbers.
 
     Raises NocturneClientError.
     """
@@ -253,7 +253,7 @@ class Traced:
     def trace(
         self, first: int, end: int, suns: Path | None = None, count: int = 0
     ) -> tuple[Floats, Floats, Floats]:
-        """Sums of samples by batch and point: by ways, straight or not, and patches; by sun; across suns."""
+        """Sums of samples by batch and point: by path, straight or not, and patches; by sun; across suns."""
         asked, (width, height) = self._asked, self._scene.points.film
         schedule = job_pb2.RangeSchedule(
             width=width, height=height * asked.batches, tile_size=16, range_ends=[end]

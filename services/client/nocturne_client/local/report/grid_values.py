@@ -101,7 +101,7 @@ def grids_of(
         values, errors = _cells(moments, part, shown)
         colour = tuple(colour_of(whole.reading, names, quantity)) if has_colour(names) else ()
         daylight = None if outdoor is None else daylight_factor(whole, outdoor)
-        found.append(GridValues(shown, values, errors, whole.unseen_pixels, whole, colour, daylight, outdoor))
+        found.append(GridValues(shown, values, errors, whole.zero_pixels, whole, colour, daylight, outdoor))
     return found
 
 

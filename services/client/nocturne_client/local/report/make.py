@@ -92,7 +92,7 @@ def make(asked: Asked, now: datetime | None = None) -> Report:
     if asked.requirement is not None:
         report.requirement = asked.requirement.name
         checks = checks_of(asked.requirement, task, grids, asked.glares, asked.annual)
-        report.checks, report.whole = judged(checks, is_trusted=not header("nocturne:errorDoubt"))
+        report.checks, report.whole = judged(checks, is_trusted=not header("nocturne:errorWarning"))
     for index, grid in enumerate(grids):
         if grid.is_grid:
             report.sections.append(_grid_section(grid, lines.get(index)))
@@ -177,9 +177,10 @@ def _facts(asked: Asked, header: _header, samples: int, now: datetime) -> list[s
 
 def _warnings(header: _header) -> list[str]:
     found = header("nocturne:warnings").splitlines()
-    if doubt := header("nocturne:errorDoubt"):
+    if error_warning := header("nocturne:errorWarning"):
         found.insert(
-            0, f"The errors of this image are not to be trusted, and no requirement is decided: {doubt}"
+            0,
+            f"The errors of this image are not to be trusted, and no requirement is decided: {error_warning}",
         )
     return found
 

@@ -17,11 +17,11 @@
 
 namespace nocturne {
 
-class LuminaireDirections {
+class AreaLightSampler {
  public:
   /// Luminaires: kIrradiance. Important shapes, whose weights are the user's: kWeight.
-  explicit LuminaireDirections(Elements elements,
-                               LightTree::Choice choice = LightTree::Choice::kIrradiance)
+  explicit AreaLightSampler(Elements elements,
+                            LightTree::Choice choice = LightTree::Choice::kIrradiance)
       : elements_(std::move(elements)),
         tree_(elements_, choice),
         apart_up_to_(elements_.size() <= kMaxTestedOneByOne

@@ -1,4 +1,4 @@
-#include "luminaires/light_directions.h"
+#include "luminaires/light_sampler.h"
 
 #include <algorithm>
 #include <cmath>
@@ -21,9 +21,9 @@ float stretched(float u, float start, float width) {
 
 }  // namespace
 
-LightDirections::LightDirections(Elements luminaires, std::optional<Environment> environment,
-                                 std::vector<DistantDisc> discs, Elements important_shapes,
-                                 const LightWeights& weights)
+LightSampler::LightSampler(Elements luminaires, std::optional<Environment> environment,
+                           std::vector<DistantDisc> discs, Elements important_shapes,
+                           const LightWeights& weights)
     : weights_(weights),
       luminaires_(std::move(luminaires)),
       important_(std::move(important_shapes), LightTree::Choice::kWeight),
@@ -46,15 +46,15 @@ LightDirections::LightDirections(Elements luminaires, std::optional<Environment>
   important_share_ = weights_.important / scale;
 }
 
-std::optional<DrawnDirection> LightDirections::sample(const LightSamplingContext& from,
-                                                      float choice, float u1, float u2) const {
+std::optional<DrawnDirection> LightSampler::sample(const LightSamplingContext& from, float choice,
+                                                   float u1, float u2) const {
   FromEnvironment drawn;
   return sample(from, choice, u1, u2, drawn);
 }
 
-std::optional<DrawnDirection> LightDirections::sample(const LightSamplingContext& from,
-                                                      float choice, float u1, float u2,
-                                                      FromEnvironment& drawn) const {
+std::optional<DrawnDirection> LightSampler::sample(const LightSamplingContext& from, float choice,
+                                                   float u1, float u2,
+                                                   FromEnvironment& drawn) const {
   if (from.learned == LearnedLight::kNone) return sample_declared(from, choice, u1, u2, drawn);
   if (choice >= kLearned) {
     auto declared =
@@ -67,18 +67,18 @@ std::optional<DrawnDirection> LightDirections::sample(const LightSamplingContext
   return DrawnDirection{direction, 0.0f};
 }
 
-float LightDirections::pdf(const LightSamplingContext& from, Vec3 direction,
-                           const SkyPlace& place) const {
+float LightSampler::pdf(const LightSamplingContext& from, Vec3 direction,
+                        const SkyTexel& place) const {
   const float declared = declared_pdf(from, direction, place);
   if (from.learned == LearnedLight::kNone) return declared;
   const float learned = from.sees(direction) ? learned_.pdf(from.learned, direction) : 0.0f;
   return kLearned * learned + (1.0f - kLearned) * declared;
 }
 
-std::optional<DrawnDirection> LightDirections::sample_declared(const LightSamplingContext& from,
-                                                               float choice, float u1, float u2,
-                                                               FromEnvironment& drawn) const {
-  const auto towards = [&](const LuminaireDirections& elements, float part, float share) {
+std::optional<DrawnDirection> LightSampler::sample_declared(const LightSamplingContext& from,
+                                                            float choice, float u1, float u2,
+                                                            FromEnvironment& drawn) const {
+  const auto towards = [&](const AreaLightSampler& elements, float part, float share) {
     auto found = elements.sample(from, part, u1, u2);
     if (found) found->pdf *= share;
     return found;
@@ -97,8 +97,8 @@ std::optional<DrawnDirection> LightDirections::sample_declared(const LightSampli
                  important_share_);
 }
 
-float LightDirections::declared_pdf(const LightSamplingContext& from, Vec3 direction,
-                                    const SkyPlace& place) const {
+float LightSampler::declared_pdf(const LightSamplingContext& from, Vec3 direction,
+                                 const SkyTexel& place) const {
   float sum = 0.0f;
   if (luminaires_share_ > 0.0f) sum += luminaires_share_ * luminaires_.pdf(from, direction);
   if (sky_share_ > 0.0f) sum += sky_share_ * sky_pdf(from, direction, place);
@@ -106,9 +106,8 @@ float LightDirections::declared_pdf(const LightSamplingContext& from, Vec3 direc
   return sum;
 }
 
-std::optional<Environment::Draft> LightDirections::begin_light(const LightSamplingContext& from,
-                                                               float choice, float u1,
-                                                               float u2) const {
+std::optional<Environment::PartialSample> LightSampler::begin_light(
+    const LightSamplingContext& from, float choice, float u1, float u2) const {
   if (!environment_ || choice < luminaires_share_ || choice >= luminaires_share_ + sky_share_) {
     return std::nullopt;
   }
@@ -118,14 +117,14 @@ std::optional<Environment::Draft> LightDirections::begin_light(const LightSampli
   return environment_->begin(from, u1, u2);
 }
 
-bool LightDirections::sample_light(const LightSamplingContext& from, float choice, float u1,
-                                   float u2, const std::optional<Environment::Draft>& begun,
-                                   LightSample& light) const {
+bool LightSampler::sample_light(const LightSamplingContext& from, float choice, float u1, float u2,
+                                const std::optional<Environment::PartialSample>& begun,
+                                LightSample& light) const {
   light.pdf = 0.0f;
   light.distance = light.free_distance = std::numeric_limits<float>::infinity();
   light.luminaire = Emission::kNoLuminaire;
   light.environment.reset();
-  const auto take = [&](const LuminaireDirections::Nearest& nearest) {
+  const auto take = [&](const AreaLightSampler::Nearest& nearest) {
     light.pdf = luminaires_share_ * nearest.pdf;
     if (!(nearest.distance < std::numeric_limits<float>::infinity())) return;
     light.distance = nearest.distance;
@@ -163,25 +162,25 @@ bool LightDirections::sample_light(const LightSamplingContext& from, float choic
   return light.pdf > 0.0f;
 }
 
-float LightDirections::environment_irradiance() const {
+float LightSampler::environment_irradiance() const {
   return environment_ ? kPi * static_cast<float>(environment_->mean_radiance()) : 0.0f;
 }
 
-float LightDirections::sky_irradiance(const LightSamplingContext& from) const {
+float LightSampler::sky_irradiance(const LightSamplingContext& from) const {
   float total = environment_irradiance();
   for (const DistantDisc& disc : discs_) total += disc.irradiance(from.normal, from.both_sides);
   return total;
 }
 
-std::optional<Vec3> LightDirections::finished(const LightSamplingContext& from,
-                                              const Environment::Draft& begun,
-                                              FromEnvironment& drawn) const {
+std::optional<Vec3> LightSampler::finished(const LightSamplingContext& from,
+                                           const Environment::PartialSample& begun,
+                                           FromEnvironment& drawn) const {
   drawn = environment_->finish(from, begun);
   return drawn ? std::optional(drawn->direction) : std::nullopt;
 }
 
-std::optional<Vec3> LightDirections::sample_sky(const LightSamplingContext& from, float choice,
-                                                float u1, float u2, FromEnvironment& drawn) const {
+std::optional<Vec3> LightSampler::sample_sky(const LightSamplingContext& from, float choice,
+                                             float u1, float u2, FromEnvironment& drawn) const {
   const float around = environment_irradiance(), total = sky_irradiance(from);
   if (!(total > 0.0f)) return std::nullopt;
   float left = choice * total;
@@ -207,8 +206,8 @@ std::optional<Vec3> LightDirections::sample_sky(const LightSamplingContext& from
   return std::nullopt;  // rounding, behind the last one
 }
 
-float LightDirections::sky_pdf(const LightSamplingContext& from, Vec3 direction,
-                               const SkyPlace& place, const FromEnvironment& drawn) const {
+float LightSampler::sky_pdf(const LightSamplingContext& from, Vec3 direction, const SkyTexel& place,
+                            const FromEnvironment& drawn) const {
   if (!from.sees(direction)) return 0.0f;
   const float around = environment_irradiance();
   float total = around;

@@ -28,7 +28,7 @@ _LOOK_S = 2.0
 _AGAIN_S = 30.0
 
 
-class LayersMaker(Background):
+class LayerBuilder(Background):
     """One for each API process; two may make the same file, which is one file."""
 
     def __init__(

@@ -19,8 +19,8 @@ bool may_share_at(const Batch& batch, const Group<N>& group, const Vertex<N>& ve
 
 /// True where the group has its next numbers from the block.
 template <class Batch, int N, class Kernel>
-bool offer_first(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel,
-                 float survival) {
+bool record_first_vertex(Batch& batch, Group<N>& group, const Vertex<N>& vertex,
+                         const Kernel& kernel, float survival) {
   if (!kernel.smooth() || !may_share_at(batch, group, vertex)) return false;
   group.shares = true;
   const bool diffuse_like =
@@ -39,7 +39,7 @@ inline constexpr bool kSendsAlike = std::is_same_v<Kernel, BoundLambertian<N>> |
 
 /// From here on the group counts apart, as of weight 1.
 template <class Batch, int N, class Kernel>
-void offer_second(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const Kernel&) {
+void record_second_vertex(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const Kernel&) {
   if constexpr (kSendsAlike<Kernel, N>) {
     if (!may_share_at(batch, group, vertex) || vertex.own_normal) return;
     const std::uint32_t tally = batch.estimator.add_tally();

@@ -12,10 +12,10 @@ namespace nocturne {
 /// For rows of whole sums that begin at 0, do not decrease and end at most at 2^63: of equal slices
 /// of each row, the first sum that a number of the slice can fall at (Chen and Asau, 1974), so that
 /// few are looked at.
-class SumGuide {
+class CutpointTable {
  public:
   /// Rows have `cells` cells, at most 2^16, and so one sum more.
-  explicit SumGuide(std::uint32_t cells)
+  explicit CutpointTable(std::uint32_t cells)
       : cells_(cells), bits_(static_cast<std::uint32_t>(std::bit_width(cells / 16))) {}
 
   /// The next row.

@@ -17,7 +17,7 @@ _AGAIN_S = 30.0
 _UNUSED_AGAIN_S = 3600.0
 
 
-class Sweeper(Background):
+class GarbageCollector(Background):
     """One for each API process; they may do the same twice."""
 
     def __init__(self, folder: DataFolder, unused_seconds: float) -> None:

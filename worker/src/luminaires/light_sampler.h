@@ -9,11 +9,11 @@
 #include <utility>
 #include <vector>
 
+#include "luminaires/area_light_sampler.h"
 #include "luminaires/distant_disc.h"
 #include "luminaires/environment.h"
 #include "luminaires/learned_light.h"
 #include "luminaires/light_sampling_context.h"
-#include "luminaires/luminaire_directions.h"
 #include "luminaires/visible_sky.h"
 
 namespace nocturne {
@@ -23,14 +23,14 @@ struct LightWeights {
   float luminaires, environment, important;
 };
 
-class LightDirections {
+class LightSampler {
  public:
   /// Distant discs share the environment's weight, by the irradiance that each gives to the
   /// receiver as it is turned. Throws std::invalid_argument where a weight is negative or not
   /// finite.
-  LightDirections(Elements luminaires, std::optional<Environment> environment,
-                  std::vector<DistantDisc> discs, Elements important_shapes,
-                  const LightWeights& weights);
+  LightSampler(Elements luminaires, std::optional<Environment> environment,
+               std::vector<DistantDisc> discs, Elements important_shapes,
+               const LightWeights& weights);
 
   /// Nothing to point at, or no weight on it.
   bool empty() const { return !(luminaires_share_ + sky_share_ + important_share_ > 0.0f); }
@@ -45,15 +45,15 @@ class LightDirections {
                                        float u2) const;
 
   /// Where in the environment a direction is, for those who know.
-  using SkyPlace = std::optional<Environment::Place>;
+  using SkyTexel = std::optional<Environment::Place>;
 
   /// Density of `sample`, 1/sr; finite, not negative.
-  float pdf(const LightSamplingContext& from, Vec3 direction, const SkyPlace& place = {}) const;
+  float pdf(const LightSamplingContext& from, Vec3 direction, const SkyTexel& place = {}) const;
   /// The same of a direction that `sample` gave. Rounding moves it off a lamp that is drawn at its
   /// rim: where the ray still meets the lamp, the density of all others alone would be smaller by
   /// the lamp's size, and its light as much too bright.
   float pdf(const LightSamplingContext& from, const DrawnDirection& drawn,
-            const SkyPlace& place = {}) const {
+            const SkyTexel& place = {}) const {
     return std::max(drawn.pdf, pdf(from, drawn.direction, place));
   }
 
@@ -72,12 +72,13 @@ class LightDirections {
     std::optional<Environment::Drawn> environment;
   };
   /// Of the same numbers as sample_light; prefetches the data that it will look up.
-  std::optional<Environment::Draft> begin_light(const LightSamplingContext& from, float choice,
-                                                float u1, float u2) const;
+  std::optional<Environment::PartialSample> begin_light(const LightSamplingContext& from,
+                                                        float choice, float u1, float u2) const;
   /// From where its ray starts. False where the drawn technique gives no direction. Where nothing
   /// was learned.
   bool sample_light(const LightSamplingContext& from, float choice, float u1, float u2,
-                    const std::optional<Environment::Draft>& begun, LightSample& light) const;
+                    const std::optional<Environment::PartialSample>& begun,
+                    LightSample& light) const;
 
   /// Half of the directions are drawn from the learned cones, where a context has a cell of them.
   void set_learned(LearnedLight learned) { learned_ = std::move(learned); }
@@ -91,9 +92,9 @@ class LightDirections {
   const std::optional<Environment>& environment() const { return environment_; }
   const std::vector<DistantDisc>& discs() const { return discs_; }
   /// Towards elements of luminaires alone.
-  const LuminaireDirections& luminaires() const { return luminaires_; }
+  const AreaLightSampler& luminaires() const { return luminaires_; }
   /// Towards important shapes alone.
-  const LuminaireDirections& important() const { return important_; }
+  const AreaLightSampler& important() const { return important_; }
 
  private:
   // Also report the sample drawn from the environment, if there is one.
@@ -104,12 +105,13 @@ class LightDirections {
                                                 float u1, float u2, FromEnvironment& drawn) const;
   std::optional<Vec3> sample_sky(const LightSamplingContext& from, float choice, float u1, float u2,
                                  FromEnvironment& drawn) const;
-  std::optional<Vec3> finished(const LightSamplingContext& from, const Environment::Draft& begun,
+  std::optional<Vec3> finished(const LightSamplingContext& from,
+                               const Environment::PartialSample& begun,
                                FromEnvironment& drawn) const;
   // `drawn` where it is known to be that direction.
-  float sky_pdf(const LightSamplingContext& from, Vec3 direction, const SkyPlace& place,
+  float sky_pdf(const LightSamplingContext& from, Vec3 direction, const SkyTexel& place,
                 const FromEnvironment& drawn = {}) const;
-  float declared_pdf(const LightSamplingContext& from, Vec3 direction, const SkyPlace& place) const;
+  float declared_pdf(const LightSamplingContext& from, Vec3 direction, const SkyTexel& place) const;
   float environment_irradiance() const;
   // Part of the directions to the environment that is drawn from the visible sky.
   static float known_sky(const LightSamplingContext& from) {
@@ -119,7 +121,7 @@ class LightDirections {
   float sky_irradiance(const LightSamplingContext& from) const;
 
   LightWeights weights_;  // 0 where there is nothing
-  LuminaireDirections luminaires_, important_;
+  AreaLightSampler luminaires_, important_;
   LearnedLight learned_;
   VisibleSky visible_sky_;
   std::optional<Environment> environment_;
