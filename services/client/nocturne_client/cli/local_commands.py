@@ -143,7 +143,7 @@ def import_scene(
         typer.Argument(
             metavar="FILE",
             help="Mitsuba 3 or 0.x (.xml), pbrt-v4 or v3 (.pbrt), glTF (.gltf, .glb), Radiance (.rad), "
-            "or a .zip of one.",
+            "Wavefront OBJ (.obj), or a .zip of one.",
         ),
     ],
     output: Annotated[
