@@ -27,7 +27,7 @@ def validate(
         list[str] | None,
         typer.Argument(
             metavar="SUITE",
-            help="cie171, lamps, factors, enclosures, glass, films, media, colours, wavelengths; "
+            help="cie171, lamps, factors, enclosures, glass, films, media, polarisation, colours, wavelengths; "
             "all without.",
             show_default=False,
         ),
