@@ -1,5 +1,5 @@
-"""A polarised render through the service has the bits of a local one: signed sums go through partials, audits,
-merging and images."""
+"""A polarised render through the service has the bits of a local one: signed sums go through partials,
+audits, merging and images."""
 
 import json
 from collections.abc import Iterator
@@ -85,3 +85,9 @@ def test_the_service_renders_what_a_local_render_does(service: ServiceProcesses,
     told = json.loads(compared.output)
     assert "S1.Y" in told["channels"]
     assert np.nanmax(np.abs(told["mean_z"])) == 0.0
+    one, other = told["linear_polarisation"]
+    assert one == other
+    low, high = one["degree_interval"]
+    mean = {name: float(here.further[name].mean()) for name in ("S1.Y", "S2.Y")}
+    assert low <= np.hypot(mean["S1.Y"], mean["S2.Y"]) / here.y.mean() <= high
+    assert low < one["degree"] < high
