@@ -76,7 +76,7 @@ def test_the_service_renders_what_a_local_render_does(service: ServiceProcesses,
     here, there = Image.read(local), Image.read(found)
     assert {"S1.Y", "S2.X", "S3.475,000000nm", "S1.625,000000nm"} <= here.further.keys()
     assert differing_values(here, there) == {}
-    # The floor mirrors light that is polarised both ways, with both signs; no test of zeros.
+    # Light is polarised with both signs; no test of zeros.
     for name in ("S1.Y", "S2.Y", "S3.Y"):
         assert here.further[name].min() < 0.0 < here.further[name].max()
     assert np.all(np.abs(here.further["S1.Y"]) <= here.y * (1 + 1e-5))

@@ -10,6 +10,7 @@ from nocturne.v1 import scene_pb2
 from nocturne_scene.compile import spectra
 from nocturne_scene.compile.grids import Grids
 from nocturne_scene.compile.indices import compile_index
+from nocturne_scene.compile.polarisation import asks_for_polarisation
 from nocturne_scene.compile.sensors import unit, vector
 from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document import bounds
@@ -27,6 +28,7 @@ from nocturne_scene.document.media import (
     MiePhase,
     Phase,
     RayleighPhase,
+    ScatteringMatrix,
     TabulatedPhase,
 )
 from nocturne_scene.document.medium_interfaces import Interior
@@ -64,6 +66,7 @@ class Media:
     def __init__(self, workspace: Workspace, grids: Grids) -> None:
         self._workspace = workspace
         self._grids = grids
+        self._polarised = asks_for_polarisation(workspace.document)
         self._named: dict[str, int | None] = {}
         self.messages: list[scene_pb2.Medium] = []
         """In order of first use; equal ones stay apart, as their densities add up."""
@@ -255,7 +258,7 @@ class Media:
         values = spectra.evaluate(self._workspace.spectra.messages[index], mie.wavelengths(within))
         distribution = mie.Distribution(droplets.mode_radius, droplets.alpha, droplets.gamma)
         try:
-            return mie.scattering(distribution, tuple(values.tolist()), within)
+            return mie.scattering(distribution, tuple(values.tolist()), within, polarised=self._polarised)
         except mie.TooLargeError as error:
             raise Unusable(str(error), ".mode_radius") from None
 
@@ -280,6 +283,8 @@ class Media:
                 table = scene_pb2.TabulatedPhase(wavelengths=phase.wavelengths, cosines=phase.cosines)
                 for row in phase.values:
                     table.values.extend(row)
+                if self._polarised and phase.matrix is not None:
+                    _put_matrix(table, phase.matrix)
                 return scene_pb2.PhaseFunction(tabulated=table)
             case MiePhase():
                 with _inside(".phase.droplets"):
@@ -292,7 +297,16 @@ def _mie_phase(scattering: mie.Scattering, at: Floats) -> scene_pb2.PhaseFunctio
         cosines=scattering.cosines.tolist(),
         values=scattering.phase.astype(np.float32).ravel().tolist(),
     )
+    if scattering.matrix is not None:
+        for name, element in zip(("s12", "s33", "s34"), scattering.matrix, strict=True):
+            getattr(table, name).extend(np.clip(element, -1.0, 1.0).astype(np.float32).ravel().tolist())
     return scene_pb2.PhaseFunction(tabulated=table)
+
+
+def _put_matrix(table: scene_pb2.TabulatedPhase, matrix: ScatteringMatrix) -> None:
+    for name in ("s12", "s22", "s33", "s34", "s44"):
+        for row in getattr(matrix, name) or []:
+            getattr(table, name).extend(row)
 
 
 @contextmanager

@@ -27,14 +27,14 @@ _CHANNELS: tuple[Quantity, ...] = ("grey", "S1.grey", "S2.grey", "S3.grey")
 
 def scenes() -> Iterator[Scene]:
     """Of all light that comes the Stokes vector; parts that are zero are left out."""
-    for degrees in (0, 30, 75):
-        yield _crossed(degrees)
-    for degrees in (30, 56.3099, 75):
+    for turned in (0, 30, 75):
+        yield _crossed(turned)
+    for degrees in (30.0, 56.3099, 75.0):
         yield _mirror(f"glass, {degrees:g} deg", degrees, _glass(), _fresnel(degrees, 1.5), polarised=False)
-    for degrees in (30, 60, 80):
+    for degrees in (30.0, 60.0, 80.0):
         metal = _floor({"type": "conductor", "index": {"n": 0.9, "k": 3.2}})
         yield _mirror(
-            f"metal, {degrees} deg", degrees, [metal], _fresnel(degrees, 0.9 + 3.2j), polarised=True
+            f"metal, {degrees:g} deg", degrees, [metal], _fresnel(degrees, 0.9 + 3.2j), polarised=True
         )
     for plates in (1, 3, 10):
         yield _pile(plates)

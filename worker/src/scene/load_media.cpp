@@ -6,11 +6,30 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+
+#include "scene/load_special_kernels.h"
 
 namespace nocturne {
 namespace {
 
 using Shape = decltype(Phase::shape);
+
+std::vector<ScatteringElements> load_matrix(const v1::TabulatedPhase& message) {
+  const int count = message.s12_size();
+  const auto fits = [count](int size) { return size == count; };
+  require(fits(message.s33_size()) && fits(message.s34_size()) &&
+              (message.s22_size() == 0 || fits(message.s22_size())) &&
+              (message.s44_size() == 0 || fits(message.s44_size())),
+          "a phase matrix whose elements are not as many as each other");
+  std::vector<ScatteringElements> matrix;
+  for (int i = 0; i < count; ++i) {
+    matrix.push_back({message.s12(i), message.s22_size() == 0 ? 1.0f : message.s22(i),
+                      message.s33(i), message.s34(i),
+                      message.s44_size() == 0 ? message.s33(i) : message.s44(i)});
+  }
+  return matrix;
+}
 
 Shape load_tabulated(const v1::TabulatedPhase& message) {
   require(message.wavelengths_size() <= static_cast<int>(TabulatedPhase::kMaxWavelengths) &&
@@ -19,7 +38,7 @@ Shape load_tabulated(const v1::TabulatedPhase& message) {
           "a phase function with too many values");
   return TabulatedPhase({message.wavelengths().begin(), message.wavelengths().end()},
                         {message.cosines().begin(), message.cosines().end()},
-                        {message.values().begin(), message.values().end()});
+                        {message.values().begin(), message.values().end()}, load_matrix(message));
 }
 
 Shape load_shape(const LoadContext& context, const v1::PhaseFunction& message) {
