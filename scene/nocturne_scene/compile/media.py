@@ -8,12 +8,14 @@ import numpy as np
 from nocturne.v1 import scene_pb2
 
 from nocturne_scene.compile import spectra
+from nocturne_scene.compile.fluorescence import Dyes, compile_dyes
 from nocturne_scene.compile.grids import Grids
 from nocturne_scene.compile.indices import compile_index
 from nocturne_scene.compile.polarisation import asks_for_polarisation
 from nocturne_scene.compile.sensors import unit, vector
 from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document import bounds
+from nocturne_scene.document.fluorescence import Dye
 from nocturne_scene.document.media import (
     AbovePlane,
     AboveSphere,
@@ -46,6 +48,8 @@ class Substance(NamedTuple):
     absorption: scene_pb2.Spectrum
     scattering: scene_pb2.Spectrum
     phase: scene_pb2.PhaseFunction
+    dyes: Dyes | None = None
+    """Their absorption is part of the absorption."""
 
     @property
     def is_nothing(self) -> bool:
@@ -53,7 +57,7 @@ class Substance(NamedTuple):
         return spectra.is_black(self.absorption) and spectra.is_black(self.scattering)
 
     def scaled(self, factor: float) -> "Substance":
-        """Return it with `factor` times the density."""
+        """Return it with `factor` times the density; it may hold no dyes."""
         return self._replace(
             absorption=spectra.scaled_evenly(self.absorption, factor),
             scattering=spectra.scaled_evenly(self.scattering, factor),
@@ -118,11 +122,23 @@ class Media:
                 return self._droplets(medium.droplets)
         if medium.preset is not None:
             return self._preset(medium.preset)
-        return Substance(
+        plain = Substance(
             self._coefficient(medium.absorption),
             self._coefficient(medium.scattering),
             self._phase(medium.phase),
         )
+        return self._dyed(plain, medium.fluorescence) if medium.fluorescence else plain
+
+    def _dyed(self, plain: Substance, fluorescence: list[Dye]) -> Substance:
+        grid = self._workspace.spectral.grid()
+        absorption, scattering = (
+            spectra.evaluate(each, grid) for each in (plain.absorption, plain.scattering)
+        )
+        dyes = compile_dyes(self._workspace, fluorescence, absorption + scattering)
+        return plain._replace(absorption=self._at_grid(absorption + dyes.absorption), dyes=dyes)
+
+    def _at_grid(self, values: Floats) -> scene_pb2.Spectrum:
+        return spectra.at_grid(values, self._workspace.spectral, zero_outside=False)
 
     def _fill(self, message: scene_pb2.Interior, names: Sequence[str]) -> None:
         found = (self._index(name) for name in names)
@@ -135,7 +151,7 @@ class Media:
         """
         for name in names:
             medium = self._workspace.document.media[name]
-            if body.HasField("absorption") or medium.temperature is not None:
+            if body.HasField("absorption") or medium.temperature is not None or medium.fluorescence:
                 continue
             if not isinstance(medium.density, int | float) or medium.density == 0:
                 continue
@@ -171,6 +187,8 @@ class Media:
                 with _inside(".density"):
                     message.grid.CopyFrom(self._grids.density(grid))
             case ExponentialDensity() as profile:
+                if substance.dyes is not None:
+                    raise Unusable("a medium that fluoresces has another density", ".density")
                 message = self._message(substance.scaled(profile.at_ground))
                 message.altitude.CopyFrom(above(profile.above, self._workspace.frame))
                 message.altitude.scale_height = profile.scale_height
@@ -199,11 +217,15 @@ class Media:
         for spectrum in (substance.absorption, substance.scattering):
             if not np.all(np.isfinite(spectrum.values)):
                 raise Unusable("a coefficient is too large for a 32-bit number")
-        return scene_pb2.Medium(
+        message = scene_pb2.Medium(
             absorption=index_of(substance.absorption),
             scattering=index_of(substance.scattering),
             phase=substance.phase,
         )
+        if substance.dyes is not None:
+            message.fluorophores.extend(substance.dyes.fluorophores)
+            message.null_collisions = index_of(self._at_grid(substance.dyes.null_collisions))
+        return message
 
     def _add(self, message: scene_pb2.Medium) -> int:
         self.messages.append(message)

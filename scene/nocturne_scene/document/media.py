@@ -18,6 +18,7 @@ from nocturne_scene.document.fields import (
     Vector,
     Wavelength,
 )
+from nocturne_scene.document.fluorescence import Dye
 from nocturne_scene.document.indices import IndexReference
 from nocturne_scene.document.node import ByKey, ByType, Node, one_of_names, problem_at
 from nocturne_scene.document.placement import Placement
@@ -289,7 +290,8 @@ _Preset = Annotated[
 class Medium(Node):
     """What fills space and is hit by chance: fog, smoke, air, milk.
 
-    Its effect on light comes from one of three: `absorption` and `scattering`, a `preset`, or `droplets`.
+    Its effect on light comes from one of three: `absorption`, `scattering` and `fluorescence`, a `preset`, or
+    `droplets`.
     Coefficients are per metre where the density is 1; spectra of any kind but those of light.
     """
 
@@ -307,6 +309,9 @@ class Medium(Node):
     density: DensityDefinition = Field(
         default=1.0, description="Factor of the coefficients: a number, by altitude, or a grid."
     )
+    fluorescence: Annotated[list[Dye], Field(max_length=bounds.FLUOROPHORES)] = Field(
+        default=[], description="Dyes in it, in addition to `absorption` and `scattering`."
+    )
     temperature: Grid | None = Field(
         default=None, description="Kelvin. The medium glows as a black body wherever it absorbs."
     )
@@ -316,15 +321,19 @@ class Medium(Node):
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
-        own = self.absorption is not None or self.scattering is not None
+        own = self.absorption is not None or self.scattering is not None or bool(self.fluorescence)
         given = [own, self.preset is not None, self.droplets is not None]
         if sum(given) != 1:
             raise problem_at(
-                "", 'expected either "preset", or "droplets", or one or both of "absorption", "scattering"'
+                "",
+                'expected either "preset", or "droplets", or some of "absorption", "scattering" and '
+                '"fluorescence"',
             )
         if self.phase is not None and self.scattering is None:
             whose = "has no scattering" if own else "has a phase function of its own"
             raise problem_at(".phase", f"the medium {whose}; leave it out")
+        if self.fluorescence and self.temperature is not None:
+            raise problem_at(".temperature", "a medium that fluoresces can't glow; expected two media")
         if self.emission_scale is not None and self.temperature is None:
             raise problem_at(".emission_scale", "needs a temperature")
         return self

@@ -122,6 +122,13 @@ std::optional<Glow> load_glow(const v1::Medium& message, Grids& grids) {
   return Glow(grids.field(message.temperature()), scale);
 }
 
+std::optional<Spectrum> load_null_collisions(const LoadContext& context,
+                                             const v1::Medium& message) {
+  if (message.fluorophores_size() == 0) return std::nullopt;
+  require(!message.has_temperature(), "a medium that glows and fluoresces");
+  return context.spectrum(message.null_collisions());
+}
+
 }  // namespace
 
 std::vector<Medium> load_media(const LoadContext& context, std::vector<AnyKernel>& kernels,
@@ -132,10 +139,20 @@ std::vector<Medium> load_media(const LoadContext& context, std::vector<AnyKernel
     const Spectrum& absorption = context.spectrum(message.absorption());
     const Spectrum& scattering = context.spectrum(message.scattering());
     const auto kernel = static_cast<std::uint32_t>(kernels.size());
-    kernels.emplace_back(Phase{absorption, scattering, load_shape(context, message.phase())});
-    materials.push_back({.front_kernel = kernel, .back_kernel = kernel});
-    media.push_back(
-        {absorption, scattering, load_density(message, grids), load_glow(message, grids)});
+    const bool fluoresces = message.fluorophores_size() > 0;
+    const std::optional<Spectrum> null_collisions = load_null_collisions(context, message);
+    Phase phase{absorption, scattering, load_shape(context, message.phase())};
+    if (fluoresces) {
+      kernels.emplace_back(FluorescentPhase{std::move(phase),
+                                            load_fluorophores(context, message.fluorophores()),
+                                            null_collisions.value_or(Spectrum(0.0f))});
+    } else {
+      kernels.emplace_back(std::move(phase));
+    }
+    materials.push_back(
+        {.front_kernel = kernel, .back_kernel = kernel, .has_delta_lobe = fluoresces});
+    media.push_back({absorption, scattering, load_density(message, grids),
+                     load_glow(message, grids), null_collisions});
   }
   return media;
 }
