@@ -1,7 +1,8 @@
 """Polarised light against formulas and published tables.
 
 S1 is positive where the field is along the sensor's right (horizontal), S2 where it is along the middle
-between right and up, S3 where it turns clockwise as the sensor sees it.
+between right and up, S3 where it turns clockwise as the sensor sees it. Long: one file has all that a sensor,
+a lamp and something between them show.
 """
 
 import cmath

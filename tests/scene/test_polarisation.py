@@ -124,6 +124,9 @@ def test_media_without_a_matrix_are_said(document: Document, blobs: BlobStore) -
     assert said({"type": "henyey_greenstein", "g": 0.5})
     assert not said(_TABLE | {"matrix": _MATRIX})
     assert not said({"type": "rayleigh"})
+    # Ozone absorbs, and scatters nothing.
+    document["atmosphere"] = {"ozone": {}}
+    assert not said({"type": "rayleigh"})
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,7 @@
-"""Media, and the interiors that they fill, as messages."""
+"""Media, and the interiors that they fill, as messages.
+
+Long: each kind of medium, of density and of phase function is a few lines, and they share one state.
+"""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager

@@ -72,7 +72,8 @@ def depolarising(scene: scene_pb2.CompiledScene, kernels: list[scene_pb2.Kernel]
             yield f"$.kernels: {words}, other than in nature"
     if any(pane.HasField("measured") for kernel in kernels for pane in kernel.glazing.panes):
         yield "$.kernels: measured panes neither polarise nor depolarise light, other than in nature"
-    if any(not _has_matrix(medium.phase) for medium in scene.media):
+    scattering = [each for each in scene.media if not spectra.is_black(scene.spectra[each.scattering])]
+    if any(not _has_matrix(medium.phase) for medium in scattering):
         yield (
             "$.media: media leave light unpolarised, other than in nature, but for molecules (phase function "
             '"rayleigh"), droplets ("mie") and tables with a "matrix"'
