@@ -1,7 +1,8 @@
 """Polarised light against formulas and published tables.
 
 S1 is positive where the field is along the sensor's right (horizontal), S2 where it is along the middle
-between right and up, S3 where it turns clockwise as the sensor sees it.
+between right and up, S3 where it turns clockwise as the sensor sees it. Long: one file has all that a sensor,
+a lamp and something between them show.
 """
 
 import cmath
@@ -297,8 +298,16 @@ def test_a_part_of_an_image_tells_degree_and_angle(tmp_path: Path) -> None:
     assert found.angle_degrees == pytest.approx(0.0, abs=1e-4) or found.angle_degrees == pytest.approx(180.0)
 
 
+_SHEET = {"index": 1.52, "transmittance": 0.9}
+
+
 @pytest.mark.parametrize("mirrored", [False, True])
-def test_a_thin_pane(mirrored: bool, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    "pane",
+    [{"type": "thin_pane", "index": 1.52, "transmittance": 0.9}, {"type": "glazing", "panes": [_SHEET]}],
+    ids=["thin pane", "glazing"],
+)
+def test_a_pane(pane: Document, mirrored: bool, tmp_path: Path) -> None:
     """At 60 degrees R + T² R t² / (1 - R² t²) of each polarisation is mirrored, T² t / (1 - R² t²) passes."""
     angle, index, transmittance = radians(60), 1.52, 0.9
     refracted = cos(np.arcsin(sin(angle) / index))
@@ -309,7 +318,6 @@ def test_a_thin_pane(mirrored: bool, tmp_path: Path) -> None:
         through = (1 - r) ** 2 * left / (1 - r * r * left * left)
         shares.append(r * (1 + through * left) if mirrored else through)
     s, p = shares
-    pane = {"type": "thin_pane", "index": index, "transmittance": transmittance}
     if mirrored:
         document = _on_floor(60, _METAL | {"kernel": pane})
     else:
@@ -320,3 +328,103 @@ def test_a_thin_pane(mirrored: bool, tmp_path: Path) -> None:
         lamp = _across(20.0, BLACK, 5.0) | {"luminaire": {"radiance": 1.0, "two_sided": True}}
         document = _scene(_meter([0, 0, 0], [0, 1, 0]), [{"shape": lean, "kernel": pane}, lamp])
     _check(document, tmp_path, ((s + p) / 2, (s - p) / 2, 0.0, 0.0), 4096, uncertainty=1e-5)
+
+
+def _from_45_degrees(degrees: float) -> Document:
+    """A polariser before the lamp over a floor: S2 is all of the light that falls on the floor."""
+    angle = radians(degrees)
+    towards = np.array([0, -sin(angle), -cos(angle)])
+    return {"type": "polariser", "axis": (np.array([1.0, 0, 0]) + np.cross(towards, [1.0, 0, 0])).tolist()}
+
+
+def _film(cosine: float, index: float, phase: complex) -> tuple[complex, complex]:
+    """Airy's sum of a film in air, across and in the plane of incidence; `phase`: e^(2 i d) of a crossing."""
+    across, within = (r * (1 - phase) / (1 - r * r * phase) for r in _fresnel(cosine, index))
+    return across, within
+
+
+def test_a_film_of_soap(tmp_path: Path) -> None:
+    """It interferes with itself: the light at 45 degrees that it mirrors, phases included, integrated over
+    the meter's wavelengths."""
+    degrees, index, thickness = 50.0, 1.4, 300.0
+    cosine = cos(radians(degrees))
+    refracted = sqrt(1 - (1 - cosine**2) / index**2)
+    nm = np.linspace(360, 830, 4701)
+    stokes = []
+    for each in nm:
+        phase = cmath.exp(4j * pi * index * refracted * thickness / each)
+        stokes.append(_reflected((0.5, 0, 0.5, 0), *_film(cosine, index, phase)))
+    expected = tuple(np.trapezoid(np.array(stokes), nm, axis=0) / (830 - 360))
+    film = {"film": [{"index": index, "thickness_nm": thickness}]}
+    floor = _METAL | {"kernel": {"type": "glazing", "panes": [film]}}
+    document = _on_floor(degrees, floor, _from_45_degrees(degrees))
+    _check(document, tmp_path, expected, 8192, uncertainty=3e-5)
+
+
+_COATED = {"type": "coated_diffuse", "index": 1.5, "reflectance": 0.0}
+_PLASTIC = {"type": "principled", "base": 0.0, "index": 1.5, "roughness": 0.0}
+
+
+@pytest.mark.parametrize("kernel", [_COATED, _PLASTIC], ids=["coated diffuse", "principled"])
+def test_a_coat_mirrors_by_amplitudes(kernel: Document, tmp_path: Path) -> None:
+    """Over a black base, as glass does; what a base would add is not mirrored."""
+    expected = _reflected((0.5, 0, 0.5, 0), *_fresnel(cos(radians(65)), 1.5))
+    document = _on_floor(65, _METAL | {"kernel": kernel}, _from_45_degrees(65))
+    document["tracing"] = {"sequence": "independent"}
+    _check(document, tmp_path, expected, 1024, uncertainty=1e-5)
+
+
+@pytest.mark.parametrize("base", [0.0, 0.6])
+@pytest.mark.parametrize(
+    "kernel",
+    [_COATED | {"roughness": 0.3}, _PLASTIC | {"roughness": 0.5}],
+    ids=["coated diffuse", "principled"],
+)
+def test_a_rough_coat_over_a_base(kernel: Document, base: float, tmp_path: Path) -> None:
+    """Of a facet between both directions, here 55 degrees from each, S1 / S0 is Fresnel's; a base adds light
+    that is unpolarised, so that S1 stays the same."""
+    kernel = kernel | {"base" if kernel["type"] == "principled" else "reflectance": base}
+    floor = {"shape": quad([-1, -1, 0], [2, 0, 0], [0, 2, 0]), "kernel": kernel}
+    document = _scene(_meter([0, -sin(radians(65)), cos(radians(65))], [0, 0, 0]), [floor])
+    # Light comes from 45 degrees beyond the floor, and leaves at 65 degrees: 110 degrees between both.
+    document["distant"] = [sun(45, 90)]
+    found = Measurement(document, tmp_path, 8, 8)
+    light, polarised = (found.by_pixels(256, name).mean for name in ("grey", "S1.grey"))
+    across, within = (abs(each) ** 2 for each in _fresnel(cos(radians(55)), 1.5))
+    black = document | {"surfaces": [floor | {"kernel": kernel | _without_base(kernel)}]}
+    (tmp_path / "black").mkdir()
+    mirrored = Measurement(black, tmp_path / "black", 8, 8).by_pixels(256, "grey").mean
+    assert polarised / mirrored == pytest.approx((across - within) / (across + within), rel=1e-4)
+    assert (light > 1.2 * mirrored) == (base > 0.0)
+
+
+def _without_base(kernel: Document) -> Document:
+    return {"base" if kernel["type"] == "principled" else "reflectance": 0.0}
+
+
+def test_a_hole_leaves_light_as_it_is(tmp_path: Path) -> None:
+    """A mask that lets six tenths through, before light that a polariser at 30 degrees lets through."""
+    black = {"type": "lambertian", "reflectance": 0.0}
+    mask = {"type": "mask", "kernel": black, "opacity": 0.4}
+    twice = radians(60)
+    expected = (0.3, 0.3 * cos(twice), 0.3 * sin(twice), 0.0)
+    _check(_through(mask, _polariser(30)), tmp_path, expected, 4096, uncertainty=1e-5)
+
+
+def test_a_blend_mirrors_as_its_parts(tmp_path: Path) -> None:
+    """A quarter of glass and three quarters of metal."""
+    glass = {"type": "thin_pane", "index": 1.5}
+    metal = {"type": "conductor", "index": {"n": 0.9, "k": 3.2}}
+    blend = {"type": "blend", "first": glass, "second": metal, "weight": 0.75}
+    cosine = cos(radians(60))
+    shares = []
+    for each in _fresnel(cosine, 1.5):
+        r = abs(each) ** 2
+        shares.append(2 * r / (1 + r))
+    part = _reflected((1, 0, 0, 0), *_fresnel(cosine, complex(0.9, 3.2)))
+    s, p = shares
+    expected = tuple(
+        0.25 * pane + 0.75 * mirror
+        for pane, mirror in zip(((s + p) / 2, (s - p) / 2, 0.0, 0.0), part, strict=True)
+    )
+    _check(_on_floor(60, _METAL | {"kernel": blend}), tmp_path, expected, 4096, uncertainty=1e-5)

@@ -26,7 +26,8 @@ _DROPLETS: tuple[Document, ...] = (
 def medium(draft: Draft, size: float) -> str:
     """The name of a medium whose optical depth over `size` metres is 0.1 to 2."""
     made, level = _kind(draft, draft.chance.factor(0.1, 2.0) / size)
-    density = _density(draft, level, size, even=True)
+    # Dyes are everywhere alike, or in a grid: where they thin out by altitude they are refused.
+    density = level if "fluorescence" in made else _density(draft, level, size, even=True)
     if density != 1.0:
         made["density"] = density
     return draft.name("media", made)
@@ -60,7 +61,7 @@ def smoke(draft: Draft, centre: Point, grid_size: float) -> str:
     nearest = {"nearest": True} if chance.maybe(0.4) else {}
     grid = {"asset": assets.GRIDS, "grid": "density", "factor": level, **where, **nearest}
     made["density"] = grid
-    if "absorption" in made and chance.maybe(0.7):
+    if "absorption" in made and "fluorescence" not in made and chance.maybe(0.7):
         made["temperature"] = {"asset": assets.GRIDS, "grid": "temperature", **where, **nearest}
         # A black body of 2000 K has 4e5 cd/m2.
         made["emission_scale"] = chance.factor(1e-3, 1e-2)
@@ -85,7 +86,18 @@ def _kind(draft: Draft, per_metre: float) -> tuple[Document, float]:
             made["phase"] = _phase(draft)
     if not made or chance.maybe(0.5):
         made["absorption"] = coefficient(draft, short(0.4 * level))
+    if chance.maybe(0.15):
+        made["fluorescence"] = [_dye(draft, level)]
     return made, 1.0
+
+
+def _dye(draft: Draft, level: float) -> Document:
+    chance = draft.chance
+    made: Document = {
+        "absorption": {"table": [[380, short(0.3 * level)], [450, short(level)], [560, 0.0]]},
+        "emission": {"table": [[480, 0.0], [530, 1.0], [600, chance.number(0.1, 0.9)], [680, 0.0]]},
+    }
+    return made | ({"quantum_yield": chance.number(0.3, 1.0)} if chance.maybe(0.5) else {})
 
 
 def _extinction(name: str) -> float:
@@ -135,9 +147,26 @@ def _phase(draft: Draft) -> Document:
             rows = chance.whole(1, 2)
             values = [[chance.number(0.1, 1.0) for _ in range(4)] for _ in range(rows)]
             made = {"type": "tabulated", "cosines": [-1.0, -0.3, 0.5, 1.0], "values": values}
+            if chance.maybe(0.6):
+                made["matrix"] = _matrix(draft, rows)
             return made | ({"wavelengths": [450.0, 650.0]} if rows == 2 else {})
         case _:
             return {"type": "mie", "droplets": _droplets(draft)}
+
+
+def _matrix(draft: Draft, rows: int) -> Document:
+    """Elements that leave no light more than wholly polarised."""
+    chance = draft.chance
+
+    def table(low: float, high: float) -> list[list[float]]:
+        return [[chance.number(low, high) for _ in range(4)] for _ in range(rows)]
+
+    made: Document = {"s12": table(-0.3, 0.3), "s33": table(-0.3, 0.3), "s34": table(-0.2, 0.2)}
+    if chance.maybe(0.5):
+        made |= {"s22": table(0.6, 0.8)}
+        if chance.maybe(0.7):
+            made["s44"] = [[short(value + chance.number(-0.1, 0.1)) for value in row] for row in made["s33"]]
+    return made
 
 
 def _density(draft: Draft, level: float, size: float, *, even: bool) -> Any:

@@ -107,3 +107,67 @@ def test_no_part_of_a_mask_fluoresces(document: dict[str, Any], blobs: BlobStore
 def test_rows_and_columns_fit(document: dict[str, Any], blobs: BlobStore) -> None:
     wrong = _with(document, _MATRIX | {"emission_nm": [500, 550]})
     expect_problem(wrong, blobs, "$.surfaces[0].kernel.fluorescence[0].values[0]", "values")
+
+
+_TINT = {
+    "absorption": {"table": [[400, 0.0], [450, 3.0], [500, 0.0]]},
+    "emission": {"table": [[520, 0.0], [560, 1.0], [640, 0.0]]},
+    "quantum_yield": 0.9,
+}
+
+
+def _dyed(document: dict[str, Any], **medium: Any) -> dict[str, Any]:
+    document["media"] = {"dye": medium}
+    document["unbounded_media"] = ["dye"]
+    return document
+
+
+def test_a_dye_in_a_medium(document: dict[str, Any], compiled: Compile) -> None:
+    """Its absorption is part of the medium's, and it emits its yield in photons. Where it is clear photons
+    collide half as often as light of the same power at all wavelengths would be emitted."""
+    scene = compiled(_dyed(document, fluorescence=[_TINT], absorption=0.5, scattering=0.25))
+    (medium,) = scene.media
+    (dye,) = medium.fluorophores
+    at = np.array([425.0, 450.0, 560.0, 600.0])
+    assert spectra.evaluate(scene.spectra[medium.absorption], at) == pytest.approx([2.0, 3.5, 0.5, 0.5])
+    assert spectra.evaluate(scene.spectra[dye.absorption], at) == pytest.approx([1.5, 3.0, 0.0, 0.0])
+    nm = np.arange(360.0, 830.0, 0.01)
+    emission = spectra.evaluate(scene.spectra[dye.emission], nm)
+    assert np.trapezoid(emission * nm, nm) == pytest.approx(0.9, rel=1e-5)
+    excitation = np.trapezoid(spectra.evaluate(scene.spectra[dye.absorption], nm) * nm, nm)
+    emitted = excitation * spectra.evaluate(scene.spectra[dye.emission], at)
+    null = spectra.evaluate(scene.spectra[medium.null_collisions], at)
+    assert null == pytest.approx(np.maximum(0.0, 0.5 * emitted - [2.25, 3.75, 0.75, 0.75]), rel=1e-3)
+    assert null[2] > 0.0
+
+
+@pytest.mark.parametrize(
+    ("medium", "place", "words"),
+    [
+        ({"preset": "fog", "fluorescence": [_TINT]}, "", "expected either"),
+        (
+            {"fluorescence": [_TINT | {"absorption": {"blackbody": 3000}}]},
+            ".fluorescence[0].absorption",
+            "table",
+        ),
+        ({"fluorescence": [_TINT | {"emission": 1.0}]}, ".fluorescence[0].emission", "table"),
+        (
+            {"fluorescence": [_TINT | {"absorption": {"table": [[200, 1.0], [300, 1.0]]}}]},
+            ".fluorescence",
+            "360 to 830 nm",
+        ),
+        ({"fluorescence": [_TINT], "density": {"scale_height": 10.0}}, ".density", "fluoresces"),
+    ],
+)
+def test_impossible_dyes_are_refused(
+    document: dict[str, Any], blobs: BlobStore, medium: Any, place: str, words: str
+) -> None:
+    expect_problem(_dyed(document, **medium), blobs, f"$.media.dye{place}", words)
+
+
+@pytest.mark.parametrize(("name", "value"), [("direction", "both"), ("sharing", 16)])
+def test_dyes_change_only_photons_from_the_sensor(
+    document: dict[str, Any], blobs: BlobStore, name: str, value: Any
+) -> None:
+    document["tracing"] = {name: value}
+    expect_problem(_dyed(document, fluorescence=[_TINT]), blobs, f"$.tracing.{name}", "fluoresce")

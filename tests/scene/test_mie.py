@@ -14,6 +14,7 @@ from nocturne_scene.spectra.wavelength_range import VISIBLE
 
 from tests.scene.conftest import Compile, Document
 from tests.scene.test_media import with_media
+from tests.spheres import elements
 
 HAZE_M = mie.Distribution(0.05e-6, 1, 0.5)
 HAZE_L = mie.Distribution(0.07e-6, 2, 0.5)
@@ -94,19 +95,76 @@ def test_a_sphere_scatters_into_directions_as_published() -> None:
     assert found / found[0] == pytest.approx(np.array(_BOHREN_HUFFMAN), rel=2e-5)
 
 
+# The same: polarisation -S12 / S11, S33 / S11 and S34 / S11.
+_BOHREN_HUFFMAN_MATRIX = [
+    (0.0, 1.0, 0.0),
+    (-0.00459811, 0.999400, 0.0343261),
+    (-0.0458541, 0.986022, 0.160184),
+    (-0.364744, 0.843603, 0.394076),
+    (-0.534997, 0.686967, -0.491787),
+    (0.00959953, 0.959825, -0.280434),
+    (0.0477927, 0.985371, 0.163584),
+    (-0.440604, 0.648043, 0.621216),
+    (-0.831996, 0.203255, -0.516208),
+    (0.0341670, 0.795354, -0.605182),
+    (0.230462, 0.937497, 0.260742),
+    (-0.713472, -0.00717397, 0.700647),
+    (-0.756255, -0.0394748, -0.653085),
+    (-0.281215, 0.536251, -0.795835),
+    (-0.239612, 0.967602, 0.0795798),
+    (-0.850804, 0.187531, -0.490882),
+    (-0.706334, 0.495254, -0.505781),
+    (-0.891081, 0.453277, -0.0226817),
+    (-0.783319, -0.391613, 0.482752),
+    (-0.196194, -0.962069, 0.189556),
+    (0.0, -1.0, 0.0),
+]
+
+
+def test_a_sphere_polarises_as_published() -> None:
+    size = 2 * np.pi * 0.525 / 0.6328
+    a, b = mie.coefficients(1.55, np.array([size]))
+    n = np.arange(1, a.shape[1] + 1)
+    scale = (2 * n + 1) / (n * (n + 1))
+    series = mie._cosine_series(scale * a, scale * b, np.array([1.0]), True)
+    angles = np.radians(9.0 * np.arange(21))
+    s11, s12, s33, s34 = series @ np.cos(np.arange(series.shape[1])[:, None] * angles)
+    found = np.stack([-s12, s33, s34], axis=-1) / s11[:, None]
+    assert found == pytest.approx(np.array(_BOHREN_HUFFMAN_MATRIX), abs=2e-6)
+
+
+def test_a_matrix_between_the_table_s_angles() -> None:
+    """Of one wavelength by S1 and S2 themselves, sizes by another rule: both are good to 1 %."""
+    found = mie.scattering(HAZE_L, WATER, polarised=True)
+    assert found.matrix is not None
+    which = 1
+    wave = 2 * np.pi / (mie.wavelengths()[which] * 1e-9)
+    radii = np.linspace(0.002e-6, 4e-6, 3000)
+    weights = HAZE_L.density(radii) * (radii[1] - radii[0])
+    angles = np.radians([0.0, 3.3, 17.1, 41.7, 63.3, 90.5, 120.2, 138.1, 165.4])
+    total = np.stack([weights @ each for each in elements(WATER[which], wave * radii, np.cos(angles))])
+    phase = np.interp(np.cos(angles), found.cosines, found.phase[which])
+    table = [
+        np.interp(np.cos(angles), found.cosines, each[which] * found.phase[which]) for each in found.matrix
+    ]
+    assert np.stack(table) / phase == pytest.approx(total[1:] / total[0], abs=0.02)
+    assert np.abs(total[3] / total[0]).max() > 0.1
+
+
+def test_a_matrix_is_no_more_than_was_asked_for(cache: Path) -> None:
+    distribution = mie.Distribution(0.1e-6, 5, 2)
+    plain = mie.scattering(distribution, WATER)
+    assert plain.matrix is None
+    assert mie.scattering(distribution, WATER, polarised=True).matrix is not None
+    mie._kept.cache_clear()
+    assert mie.scattering(distribution, WATER, polarised=True).matrix is not None
+    assert np.array_equal(mie.scattering(distribution, WATER).phase, plain.phase)
+    del cache
+
+
 def intensity(index: float, sizes: Floats, cosines: Floats) -> Floats:
-    """S11 of spheres, a row for each size: Bohren and Huffman, equations 4.47, 4.74 and 4.77."""
-    a, b = mie.coefficients(index, sizes)
-    before, pi = np.zeros_like(cosines), np.ones_like(cosines)
-    s1, s2 = np.zeros((2, len(sizes), len(cosines)), dtype=complex)
-    for n in range(1, a.shape[1] + 1):
-        tau = n * cosines * pi - (n + 1) * before
-        weight = (2 * n + 1) / (n * (n + 1))
-        electric, magnetic = weight * a[:, n - 1, None], weight * b[:, n - 1, None]
-        s1 += electric * pi + magnetic * tau
-        s2 += electric * tau + magnetic * pi
-        before, pi = pi, ((2 * n + 1) * cosines * pi - (n + 1) * before) / n
-    return np.asarray(0.5 * (np.abs(s1) ** 2 + np.abs(s2) ** 2))
+    """S11 of spheres, a row for each size."""
+    return elements(index, sizes, cosines)[0]
 
 
 @pytest.mark.parametrize("size", [50.0, 333.0, mie.LARGEST_SIZE])

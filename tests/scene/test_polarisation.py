@@ -88,4 +88,59 @@ def test_what_depolarises_is_said(document: Document, blobs: BlobStore) -> None:
         each for each in compile_scene(check_document(document), blobs).warnings if "Phong" in each.sentence
     ]
     found = compile_scene(check_document(_asking(document)), blobs).warnings
-    assert any("Phong lobes depolarise" in each.sentence for each in found)
+    assert any("Phong lobes leave light unpolarised" in each.sentence for each in found)
+
+
+def _with_phase(document: Document, phase: Any) -> Document:
+    document["media"] = {"fog": {"scattering": 1.0, "phase": phase}}
+    document["unbounded_media"] = ["fog"]
+    return document
+
+
+_TABLE: Document = {"type": "tabulated", "cosines": [-1, 0, 1], "values": [[1.0, 0.5, 2.0]]}
+_MATRIX = {"s12": [[0.0, -0.4, 0.0]], "s33": [[-1.0, 0.3, 1.0]], "s34": [[0.0, 0.2, 0.0]]}
+
+
+def test_a_phase_matrix_is_for_polarised_light_alone(document: Document, compiled: Compile) -> None:
+    document = _with_phase(document, _TABLE | {"matrix": _MATRIX})
+    assert not compiled(document).media[0].phase.tabulated.s12
+    found = compiled(_asking(document)).media[0].phase.tabulated
+    assert [list(each) for each in (found.s12, found.s33, found.s34)] == [
+        pytest.approx(_MATRIX[name][0]) for name in ("s12", "s33", "s34")
+    ]
+    assert not found.s22
+    assert not found.s44
+
+
+def test_media_without_a_matrix_are_said(document: Document, blobs: BlobStore) -> None:
+    def said(phase: Any) -> bool:
+        asked = _asking(_with_phase(document, phase))
+        return any(
+            each.sentence.startswith("$.media: media leave light unpolarised")
+            for each in compile_scene(check_document(asked), blobs).warnings
+        )
+
+    assert said(_TABLE)
+    assert said({"type": "henyey_greenstein", "g": 0.5})
+    assert not said(_TABLE | {"matrix": _MATRIX})
+    assert not said({"type": "rayleigh"})
+    # Ozone absorbs, and scatters nothing.
+    document["atmosphere"] = {"ozone": {}}
+    assert not said({"type": "rayleigh"})
+
+
+@pytest.mark.parametrize(
+    ("changed", "place", "words"),
+    [
+        ({"s12": [[0.0, -0.4]]}, "s12", "3 values"),
+        ({"s44": [[0.0, 0.0, 0.0], [0.0, 0.0, 0.0]]}, "s44", "1 lists"),
+        ({"s12": [[0.0, -1.4, 0.0]]}, "s12[0][1]", "-1"),
+        ({"s12": [[0.0, -0.9, 0.0]], "s33": [[-1.0, 0.9, 1.0]]}, "s12[0][1]", "more than wholly polarised"),
+        ({"s12": [[0.5, 0.0, 0.0]], "s22": [[0.2, 1.0, 1.0]]}, "s12[0][0]", "more than wholly polarised"),
+    ],
+)
+def test_impossible_matrices_are_refused(
+    document: Document, blobs: BlobStore, changed: Any, place: str, words: str
+) -> None:
+    document = _with_phase(document, _TABLE | {"matrix": _MATRIX | changed})
+    expect_problem(document, blobs, f"$.media.fog.phase.matrix.{place}", words)

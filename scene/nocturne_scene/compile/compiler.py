@@ -201,7 +201,7 @@ def _has_tilted_normals(message: scene_pb2.CompiledScene) -> bool:
 def _refuse_photons_of_luminaires(workspace: Workspace, message: scene_pb2.CompiledScene) -> None:
     """Where they would not bring all light, or bring it wrong."""
     meter = workspace.document.sensor.type in MET_BY_PHOTONS
-    if fluoresces(workspace.kernels.messages):
+    if fluoresces(workspace.kernels.messages, message.media):
         _refuse_all_but_plain(workspace, "fluoresce")
     if is_polarised(message, workspace.kernels.messages):
         _refuse_all_but_plain(workspace, "know how light is polarised")

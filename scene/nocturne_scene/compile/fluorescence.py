@@ -1,4 +1,4 @@
-"""Fluorescent surfaces as messages; photons, and so energy, are balanced."""
+"""Fluorescent surfaces and dyes in media as messages; photons, and so energy, are balanced."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from nocturne.v1 import scene_pb2
 
 from nocturne_scene.compile import spectra
 from nocturne_scene.compile.workspace import Unusable, Workspace
-from nocturne_scene.document.fluorescence import Fluorophore, Reradiation
+from nocturne_scene.document.fluorescence import Dye, Fluorophore, Reradiation
 from nocturne_scene.document.kernels import Lambertian
 from nocturne_scene.document.spectra import ConstantSpectrum, TableSpectrum
 from nocturne_scene.document.textures import ColourTexture
@@ -27,9 +27,60 @@ class _Part:
     taken: Floats
 
 
-def fluoresces(kernels: Iterable[scene_pb2.Kernel]) -> bool:
-    """Whether photons change their wavelengths at any."""
-    return any(kernel.HasField("fluorescent") for kernel in kernels)
+def fluoresces(kernels: Iterable[scene_pb2.Kernel], media: Iterable[scene_pb2.Medium]) -> bool:
+    """Whether photons change their wavelengths at any surface or in any medium."""
+    return any(kernel.HasField("fluorescent") for kernel in kernels) or any(
+        medium.fluorophores for medium in media
+    )
+
+
+@dataclass(frozen=True)
+class Dyes:
+    """What the dyes of a medium do, 1/m at density 1."""
+
+    absorption: Floats
+    """At the grid of the wavelengths over which spectra are compiled."""
+    null_collisions: Floats
+    """Of photons from the sensor, at the same."""
+    fluorophores: list[scene_pb2.Fluorescent.Fluorophore]
+
+
+_COLLISIONS = 0.5
+"""Of photons from the sensor, over what dyes would emit if light had the same power at all wavelengths: with
+more of them a photon that passes is noisier, with less one that is emitted."""
+
+
+def compile_dyes(workspace: Workspace, dyes: list[Dye], extinction: Floats) -> Dyes:
+    """Return the dyes of a medium whose extinction without them is given, at the grid.
+
+    Raises Unusable and its kin.
+    """
+    grid = workspace.spectral.grid()
+    seen = workspace.wavelengths.grid()
+    absorption, emitted = np.zeros_like(grid), np.zeros_like(grid)
+    fluorophores = []
+    for number, each in enumerate(dyes):
+        try:
+            (part,) = _dye(workspace, each)
+        except Unusable as error:
+            raise Unusable(str(error), f".fluorescence[{number}]{error.suffix}") from None
+        absorption = absorption + spectra.evaluate(part.absorption, grid)
+        if spectra.is_dark(part.absorption, workspace.wavelengths) or spectra.is_black(part.emission):
+            continue
+        excitation = float(np.trapezoid(part.taken * seen, seen))
+        emitted = emitted + excitation * spectra.evaluate(part.emission, grid)
+        fluorophores.append(
+            scene_pb2.Fluorescent.Fluorophore(
+                absorption=workspace.spectra.index_of(part.absorption),
+                emission=workspace.spectra.index_of(part.emission),
+            )
+        )
+    if not fluorophores:
+        raise Unusable(
+            f"nothing is both absorbed and emitted within {workspace.wavelengths}", ".fluorescence"
+        )
+    null = np.maximum(0.0, _COLLISIONS * emitted - extinction - absorption)
+    return Dyes(absorption, null, fluorophores)
 
 
 def compile_fluorescent(workspace: Workspace, kernel: Lambertian) -> scene_pb2.Fluorescent:
@@ -67,10 +118,11 @@ def compile_fluorescent(workspace: Workspace, kernel: Lambertian) -> scene_pb2.F
     return made
 
 
-def _dye(workspace: Workspace, dye: Fluorophore) -> list[_Part]:
+def _dye(workspace: Workspace, dye: Fluorophore | Dye) -> list[_Part]:
     absorbing, emitting = workspace.spectrum(dye.absorption), workspace.spectrum(dye.emission)
     if not isinstance(absorbing, ConstantSpectrum | TableSpectrum) or absorbing.luminance is not None:
-        raise Unusable("is no part of the light; expected a number or a table in [0, 1]", ".absorption")
+        wanted = "a number or a table" if isinstance(dye, Dye) else "a number or a table in [0, 1]"
+        raise Unusable(f"is no part of the light; expected {wanted}", ".absorption")
     if not isinstance(emitting, TableSpectrum) or emitting.luminance is not None:
         raise Unusable("is no shape of an emission; expected a table", ".emission")
     knots = np.array(emitting.table, dtype=np.float64)

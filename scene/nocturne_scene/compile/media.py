@@ -1,4 +1,7 @@
-"""Media, and the interiors that they fill, as messages."""
+"""Media, and the interiors that they fill, as messages.
+
+Long: each kind of medium, of density and of phase function is a few lines, and they share one state.
+"""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -8,11 +11,14 @@ import numpy as np
 from nocturne.v1 import scene_pb2
 
 from nocturne_scene.compile import spectra
+from nocturne_scene.compile.fluorescence import Dyes, compile_dyes
 from nocturne_scene.compile.grids import Grids
 from nocturne_scene.compile.indices import compile_index
+from nocturne_scene.compile.polarisation import asks_for_polarisation
 from nocturne_scene.compile.sensors import unit, vector
 from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document import bounds
+from nocturne_scene.document.fluorescence import Dye
 from nocturne_scene.document.media import (
     AbovePlane,
     AboveSphere,
@@ -27,6 +33,7 @@ from nocturne_scene.document.media import (
     MiePhase,
     Phase,
     RayleighPhase,
+    ScatteringMatrix,
     TabulatedPhase,
 )
 from nocturne_scene.document.medium_interfaces import Interior
@@ -44,6 +51,8 @@ class Substance(NamedTuple):
     absorption: scene_pb2.Spectrum
     scattering: scene_pb2.Spectrum
     phase: scene_pb2.PhaseFunction
+    dyes: Dyes | None = None
+    """Their absorption is part of the absorption."""
 
     @property
     def is_nothing(self) -> bool:
@@ -51,7 +60,7 @@ class Substance(NamedTuple):
         return spectra.is_black(self.absorption) and spectra.is_black(self.scattering)
 
     def scaled(self, factor: float) -> "Substance":
-        """Return it with `factor` times the density."""
+        """Return it with `factor` times the density; it may hold no dyes."""
         return self._replace(
             absorption=spectra.scaled_evenly(self.absorption, factor),
             scattering=spectra.scaled_evenly(self.scattering, factor),
@@ -64,6 +73,7 @@ class Media:
     def __init__(self, workspace: Workspace, grids: Grids) -> None:
         self._workspace = workspace
         self._grids = grids
+        self._polarised = asks_for_polarisation(workspace.document)
         self._named: dict[str, int | None] = {}
         self.messages: list[scene_pb2.Medium] = []
         """In order of first use; equal ones stay apart, as their densities add up."""
@@ -115,11 +125,23 @@ class Media:
                 return self._droplets(medium.droplets)
         if medium.preset is not None:
             return self._preset(medium.preset)
-        return Substance(
+        plain = Substance(
             self._coefficient(medium.absorption),
             self._coefficient(medium.scattering),
             self._phase(medium.phase),
         )
+        return self._dyed(plain, medium.fluorescence) if medium.fluorescence else plain
+
+    def _dyed(self, plain: Substance, fluorescence: list[Dye]) -> Substance:
+        grid = self._workspace.spectral.grid()
+        absorption, scattering = (
+            spectra.evaluate(each, grid) for each in (plain.absorption, plain.scattering)
+        )
+        dyes = compile_dyes(self._workspace, fluorescence, absorption + scattering)
+        return plain._replace(absorption=self._at_grid(absorption + dyes.absorption), dyes=dyes)
+
+    def _at_grid(self, values: Floats) -> scene_pb2.Spectrum:
+        return spectra.at_grid(values, self._workspace.spectral, zero_outside=False)
 
     def _fill(self, message: scene_pb2.Interior, names: Sequence[str]) -> None:
         found = (self._index(name) for name in names)
@@ -132,7 +154,7 @@ class Media:
         """
         for name in names:
             medium = self._workspace.document.media[name]
-            if body.HasField("absorption") or medium.temperature is not None:
+            if body.HasField("absorption") or medium.temperature is not None or medium.fluorescence:
                 continue
             if not isinstance(medium.density, int | float) or medium.density == 0:
                 continue
@@ -168,6 +190,8 @@ class Media:
                 with _inside(".density"):
                     message.grid.CopyFrom(self._grids.density(grid))
             case ExponentialDensity() as profile:
+                if substance.dyes is not None:
+                    raise Unusable("a medium that fluoresces has another density", ".density")
                 message = self._message(substance.scaled(profile.at_ground))
                 message.altitude.CopyFrom(above(profile.above, self._workspace.frame))
                 message.altitude.scale_height = profile.scale_height
@@ -196,11 +220,15 @@ class Media:
         for spectrum in (substance.absorption, substance.scattering):
             if not np.all(np.isfinite(spectrum.values)):
                 raise Unusable("a coefficient is too large for a 32-bit number")
-        return scene_pb2.Medium(
+        message = scene_pb2.Medium(
             absorption=index_of(substance.absorption),
             scattering=index_of(substance.scattering),
             phase=substance.phase,
         )
+        if substance.dyes is not None:
+            message.fluorophores.extend(substance.dyes.fluorophores)
+            message.null_collisions = index_of(self._at_grid(substance.dyes.null_collisions))
+        return message
 
     def _add(self, message: scene_pb2.Medium) -> int:
         self.messages.append(message)
@@ -255,7 +283,7 @@ class Media:
         values = spectra.evaluate(self._workspace.spectra.messages[index], mie.wavelengths(within))
         distribution = mie.Distribution(droplets.mode_radius, droplets.alpha, droplets.gamma)
         try:
-            return mie.scattering(distribution, tuple(values.tolist()), within)
+            return mie.scattering(distribution, tuple(values.tolist()), within, polarised=self._polarised)
         except mie.TooLargeError as error:
             raise Unusable(str(error), ".mode_radius") from None
 
@@ -280,6 +308,8 @@ class Media:
                 table = scene_pb2.TabulatedPhase(wavelengths=phase.wavelengths, cosines=phase.cosines)
                 for row in phase.values:
                     table.values.extend(row)
+                if self._polarised and phase.matrix is not None:
+                    _put_matrix(table, phase.matrix)
                 return scene_pb2.PhaseFunction(tabulated=table)
             case MiePhase():
                 with _inside(".phase.droplets"):
@@ -292,7 +322,16 @@ def _mie_phase(scattering: mie.Scattering, at: Floats) -> scene_pb2.PhaseFunctio
         cosines=scattering.cosines.tolist(),
         values=scattering.phase.astype(np.float32).ravel().tolist(),
     )
+    if scattering.matrix is not None:
+        for name, element in zip(("s12", "s33", "s34"), scattering.matrix, strict=True):
+            getattr(table, name).extend(np.clip(element, -1.0, 1.0).astype(np.float32).ravel().tolist())
     return scene_pb2.PhaseFunction(tabulated=table)
+
+
+def _put_matrix(table: scene_pb2.TabulatedPhase, matrix: ScatteringMatrix) -> None:
+    for name in ("s12", "s22", "s33", "s34", "s44"):
+        for row in getattr(matrix, name) or []:
+            getattr(table, name).extend(row)
 
 
 @contextmanager

@@ -7,17 +7,31 @@ from nocturne.v1 import scene_pb2
 
 from nocturne_scene.compile import spectra
 from nocturne_scene.compile.workspace import Workspace
-from nocturne_scene.document.kernels import Polariser, Retarder
+from nocturne_scene.document.kernels import Polariser, Retarder, TwoSided
+from nocturne_scene.document.model import SceneDocument, all_surfaces
 
-_DEPOLARISE = {
-    "glazing": "glazings",
-    "coated_diffuse": "coated diffuse surfaces",
-    "phong": "Phong lobes",
-    "principled": "principled surfaces",
-    "measured": "measured surfaces",
-    "blend": "blends and masks",
+_NOT_AS_IN_NATURE = {
+    "coated_diffuse": "light from the base of coated diffuse surfaces is unpolarised",
+    "phong": "Phong lobes leave light unpolarised",
+    "principled": "principled surfaces leave light unpolarised where they are metal, have a colour at normal "
+    "incidence, or scatter it below their coat",
+    "measured": "measured surfaces leave light unpolarised",
 }
-"""Kernels that leave light unpolarised here, and would not in nature, in words."""
+"""Parts of kernels without amplitudes, in words."""
+
+
+def asks_for_polarisation(document: SceneDocument) -> bool:
+    """Whether photons may have to know how light is polarised: before anything is compiled."""
+    if getattr(document.sensor, "stokes", False):
+        return True
+    for _, surface in all_surfaces(document):
+        kernel = surface.kernel
+        found = document.kernels.get(kernel) if isinstance(kernel, str) else kernel
+        sides = [found.front, found.back] if isinstance(found, TwoSided) else [found]
+        named = [document.kernels.get(each) if isinstance(each, str) else each for each in sides]
+        if any(isinstance(each, Polariser | Retarder) for each in named):
+            return True
+    return False
 
 
 def compile_filter(workspace: Workspace, kernel: Polariser | Retarder) -> scene_pb2.Kernel:
@@ -49,13 +63,22 @@ def is_polarised(scene: scene_pb2.CompiledScene, kernels: list[scene_pb2.Kernel]
 
 
 def depolarising(scene: scene_pb2.CompiledScene, kernels: list[scene_pb2.Kernel]) -> Iterator[str]:
-    """Sentences about what leaves light unpolarised here alone."""
+    """Sentences about what polarises light otherwise in nature."""
     if not is_polarised(scene, kernels):
         return
     found = {kernel.WhichOneof("model") for kernel in kernels}
-    for model, words in _DEPOLARISE.items():
+    for model, words in _NOT_AS_IN_NATURE.items():
         if model in found:
-            yield f"$.kernels: {words} depolarise light here, and polarise it in nature"
-    phases = {medium.phase.WhichOneof("shape") for medium in scene.media}
-    if phases - {"rayleigh"}:
-        yield '$.media: all media depolarise light here but those whose phase function is "rayleigh"'
+            yield f"$.kernels: {words}, other than in nature"
+    if any(pane.HasField("measured") for kernel in kernels for pane in kernel.glazing.panes):
+        yield "$.kernels: measured panes neither polarise nor depolarise light, other than in nature"
+    scattering = [each for each in scene.media if not spectra.is_black(scene.spectra[each.scattering])]
+    if any(not _has_matrix(medium.phase) for medium in scattering):
+        yield (
+            "$.media: media leave light unpolarised, other than in nature, but for molecules (phase function "
+            '"rayleigh"), droplets ("mie") and tables with a "matrix"'
+        )
+
+
+def _has_matrix(phase: scene_pb2.PhaseFunction) -> bool:
+    return phase.HasField("rayleigh") or bool(phase.tabulated.s12)

@@ -161,7 +161,7 @@ def open_ways(
         and scene.HasField("environment")
     ):
         names.append(SKY)
-    plain = fluoresces(scene.kernels) or is_polarised(scene, [*scene.kernels])
+    plain = fluoresces(scene.kernels, scene.media) or is_polarised(scene, [*scene.kernels])
     may_share = connects and not _is_points(document) and not plain
     if tracing.sharing == "auto" and may_share and asked.direction != "forward":
         names.append("sharing")

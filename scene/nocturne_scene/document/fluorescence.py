@@ -33,6 +33,26 @@ class Fluorophore(Node):
     )
 
 
+class Dye(Node):
+    """A dye or phosphor in a medium: emits a part of the light that it absorbs, at other wavelengths, evenly
+    into all directions.
+
+    Each absorbed photon gives `quantum_yield` photons, whose wavelengths are distributed by `emission`
+    whatever the absorbed one's was.
+    """
+
+    absorption: SpectrumReference = Field(
+        description="Its absorption coefficient, 1/m where the medium's density is 1: a number or a table, "
+        "zero beyond it unless it says otherwise. It adds to that of the medium."
+    )
+    emission: SpectrumReference = Field(
+        description="Emitted power over wavelength, a table, zero beyond it. Only its shape counts."
+    )
+    quantum_yield: Annotated[Finite, Field(gt=0, le=1)] = Field(
+        default=1.0, description="Emitted photons for each absorbed one, in (0, 1]."
+    )
+
+
 class Reradiation(Node):
     """A measured re-radiation matrix (Donaldson matrix) off its diagonal: what `reflectance` has is no part
     of it.

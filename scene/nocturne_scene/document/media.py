@@ -18,6 +18,7 @@ from nocturne_scene.document.fields import (
     Vector,
     Wavelength,
 )
+from nocturne_scene.document.fluorescence import Dye
 from nocturne_scene.document.indices import IndexReference
 from nocturne_scene.document.node import ByKey, ByType, Node, one_of_names, problem_at
 from nocturne_scene.document.placement import Placement
@@ -81,6 +82,29 @@ class RayleighPhase(Node):
     )
 
 
+_Elements = list[Annotated[list[Annotated[Finite, Field(ge=-1, le=1)]], Field(fail_fast=True)]]
+
+
+class ScatteringMatrix(Node):
+    """What a phase function does to polarised light: elements of the scattering matrix of particles that are
+    turned at random, each over the phase function, with lists as `values` has.
+
+    As C. F. Bohren and D. R. Huffman define them ("Absorption and scattering of light by small particles",
+    1983, section 3.3): for molecules S12 is negative at 90 degrees. Codes with the other handedness have the
+    other sign of S34. Only scenes with Stokes vectors or filters read it.
+    """
+
+    s12: _Elements = Field(description="S12 / S11, in [-1, 1].")
+    s33: _Elements = Field(description="S33 / S11, in [-1, 1].")
+    s34: _Elements = Field(description="S34 / S11, in [-1, 1].")
+    s22: _Elements | None = Field(
+        default=None, description="S22 / S11, in [-1, 1]. Default: 1, as of spheres."
+    )
+    s44: _Elements | None = Field(
+        default=None, description="S44 / S11, in [-1, 1]. Default: `s33`, as of spheres."
+    )
+
+
 class TabulatedPhase(Node):
     """Measured or computed values, linear between cosines and between wavelengths; of any scale."""
 
@@ -93,6 +117,9 @@ class TabulatedPhase(Node):
     )
     values: list[Annotated[list[NotNegative], Field(fail_fast=True)]] = Field(
         description="A list for each wavelength, with a value for each cosine; not all zero."
+    )
+    matrix: ScatteringMatrix | None = Field(
+        default=None, description="For polarised light. Default: scattered light is unpolarised."
     )
 
     @model_validator(mode="after")
@@ -114,7 +141,43 @@ class TabulatedPhase(Node):
                 )
             if not any(row):
                 raise problem_at(f".values[{index}]", "all values are zero")
+        if self.matrix is not None:
+            _check_matrix(self.matrix, len(self.wavelengths), len(self.cosines))
         return self
+
+
+_DIGITS = 1e-3
+"""By which printed elements may break these relations."""
+
+
+def _check_matrix(matrix: ScatteringMatrix, rows: int, columns: int) -> None:
+    """Raise a problem unless it has the table's shape, and leaves no light more than wholly polarised.
+
+    J. W. Hovenier and C. V. M. van der Mee, "Basic relationships for matrices describing scattering by small
+    particles", in Light Scattering by Nonspherical Particles, 2000, equations 53 to 55.
+    """
+    for name in ("s12", "s33", "s34", "s22", "s44"):
+        lists = getattr(matrix, name)
+        if lists is not None and [len(each) for each in lists] != rows * [columns]:
+            raise problem_at(
+                f".matrix.{name}", f"expected {rows} lists, as `values` has, of {columns} values each"
+            )
+    for row in range(rows):
+        for column in range(columns):
+            s12, s33, s34 = (lists[row][column] for lists in (matrix.s12, matrix.s33, matrix.s34))
+            s22 = 1.0 if matrix.s22 is None else matrix.s22[row][column]
+            s44 = s33 if matrix.s44 is None else matrix.s44[row][column]
+            excess = max(
+                (s33 + s44) ** 2 + 4 * s34**2 - (1 + s22) ** 2 + 4 * s12**2,
+                abs(s33 - s44) - (1 - s22),
+                abs(s22 - s12) - (1 - s12),
+                abs(s22 + s12) - (1 + s12),
+            )
+            if excess > _DIGITS:
+                raise problem_at(
+                    f".matrix.s12[{row}][{column}]",
+                    "with the other elements there, light would leave more than wholly polarised",
+                )
 
 
 class MiePhase(Node):
@@ -227,7 +290,8 @@ _Preset = Annotated[
 class Medium(Node):
     """What fills space and is hit by chance: fog, smoke, air, milk.
 
-    Its effect on light comes from one of three: `absorption` and `scattering`, a `preset`, or `droplets`.
+    Its effect on light comes from one of three: `absorption`, `scattering` and `fluorescence`, a `preset`, or
+    `droplets`.
     Coefficients are per metre where the density is 1; spectra of any kind but those of light.
     """
 
@@ -245,6 +309,9 @@ class Medium(Node):
     density: DensityDefinition = Field(
         default=1.0, description="Factor of the coefficients: a number, by altitude, or a grid."
     )
+    fluorescence: Annotated[list[Dye], Field(max_length=bounds.FLUOROPHORES)] = Field(
+        default=[], description="Dyes in it, in addition to `absorption` and `scattering`."
+    )
     temperature: Grid | None = Field(
         default=None, description="Kelvin. The medium glows as a black body wherever it absorbs."
     )
@@ -254,15 +321,19 @@ class Medium(Node):
 
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
-        own = self.absorption is not None or self.scattering is not None
+        own = self.absorption is not None or self.scattering is not None or bool(self.fluorescence)
         given = [own, self.preset is not None, self.droplets is not None]
         if sum(given) != 1:
             raise problem_at(
-                "", 'expected either "preset", or "droplets", or one or both of "absorption", "scattering"'
+                "",
+                'expected either "preset", or "droplets", or some of "absorption", "scattering" and '
+                '"fluorescence"',
             )
         if self.phase is not None and self.scattering is None:
             whose = "has no scattering" if own else "has a phase function of its own"
             raise problem_at(".phase", f"the medium {whose}; leave it out")
+        if self.fluorescence and self.temperature is not None:
+            raise problem_at(".temperature", "a medium that fluoresces can't glow; expected two media")
         if self.emission_scale is not None and self.temperature is None:
             raise problem_at(".emission_scale", "needs a temperature")
         return self

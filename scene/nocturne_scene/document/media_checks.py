@@ -47,6 +47,11 @@ def _medium_problems(
         reference = getattr(medium, field)
         if reference is not None:
             yield from coefficient_problems(resolve(document, reference), reference, f"{place}.{field}")
+    for index, dye in enumerate(medium.fluorescence):
+        used = dye.absorption
+        yield from coefficient_problems(
+            resolve(document, used), used, f"{place}.fluorescence[{index}].absorption"
+        )
     match medium.phase:
         case RayleighPhase() as phase:
             yield from depolarisation_problems(

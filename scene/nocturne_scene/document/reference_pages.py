@@ -87,7 +87,8 @@ SUBJECTS = (
         (
             *("Medium", "Interior", "Droplets", "ExponentialDensity", "LayeredDensity", "AbovePlane"),
             *("AboveSphere", "Grid", "IsotropicPhase", "HenyeyGreensteinPhase"),
-            *("DoubleHenyeyGreensteinPhase", "RayleighPhase", "TabulatedPhase", "MiePhase"),
+            *("DoubleHenyeyGreensteinPhase", "RayleighPhase", "TabulatedPhase", "ScatteringMatrix"),
+            *("MiePhase", "Dye"),
         ),
     ),
     Subject(

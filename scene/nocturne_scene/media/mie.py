@@ -1,7 +1,8 @@
-"""Droplets of many sizes by Mie's theory: cross-sections and phase functions, for all sizes at once.
+"""Droplets of many sizes by Mie's theory: cross-sections, phase functions and scattering matrices, for all
+sizes at once.
 
 C. F. Bohren and D. R. Huffman, "Absorption and scattering of light by small particles", Wiley 1983, equations
-4.46, 4.47, 4.61, 4.62, 4.74 and 4.88.
+4.46, 4.47, 4.61, 4.62, 4.74, 4.77 and 4.88.
 
 Results are kept in the user's cache folder, named by all that they depend on.
 """
@@ -12,6 +13,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import platformdirs
@@ -75,6 +77,9 @@ class Scattering:
     """Of the scattering angle, increasing from -1 to 1."""
     phase: Floats
     """Per steradian, shape (n, cosines); its integral over all directions is 1."""
+    matrix: Floats | None = None
+    """S12, S33 and S34 over S11, as Bohren and Huffman define them, shape (3, n, cosines): S1 of light is
+    positive in the plane of scattering. S22 is S11, S44 is S33. None where nobody asked."""
 
 
 class TooLargeError(Exception):
@@ -90,12 +95,17 @@ def wavelengths(within: WavelengthRange = VISIBLE) -> Floats:
 
 
 def scattering(
-    distribution: Distribution, index: tuple[float, ...], within: WavelengthRange = VISIBLE
+    distribution: Distribution,
+    index: tuple[float, ...],
+    within: WavelengthRange = VISIBLE,
+    *,
+    polarised: bool = False,
 ) -> Scattering:
-    """Return how droplets scatter whose index of refraction at `wavelengths` is `index`.
+    """Return how droplets scatter whose index of refraction at `wavelengths` is `index`; `polarised`: with
+    their matrix.
 
-    Cosines are chosen so that straight lines between them miss the phase function by less than 1 %. Raises
-    TooLargeError.
+    Cosines are chosen so that straight lines between them miss the phase function, and what is asked for of
+    the matrix, by less than 1 % of the phase function. Raises TooLargeError.
     """
     radii = _radii(distribution, within)
     largest = 2 * math.pi * radii[-1] / (within.first * 1e-9)
@@ -105,30 +115,42 @@ def scattering(
             f"the distribution reaches droplets of {radii[-1] * 1e6:.3g} micrometres; "
             f"expected a radius of at most {limit * 1e6:.3g}"
         )
-    return _kept(distribution, index, within)
+    return _kept(distribution, index, within, polarised)
 
 
 @lru_cache(maxsize=32)
-def _kept(distribution: Distribution, index: tuple[float, ...], within: WavelengthRange) -> Scattering:
-    place = _place(distribution, index, within)
+def _kept(
+    distribution: Distribution, index: tuple[float, ...], within: WavelengthRange, polarised: bool
+) -> Scattering:
+    place = _place(distribution, index, within, polarised)
     try:
         with np.load(place) as found:
-            return Scattering(found["cross_section"], found["cosines"], found["phase"])
+            matrix = found["matrix"] if polarised else None
+            return Scattering(found["cross_section"], found["cosines"], found["phase"], matrix)
     except (OSError, ValueError, KeyError, EOFError):
-        made = _compute(distribution, index, within)
+        made = _compute(distribution, index, within, polarised)
+    matrix = np.empty(0) if made.matrix is None else made.matrix
     try:
         place.parent.mkdir(parents=True, exist_ok=True)
         with replacing(place) as unfinished:
-            np.savez(unfinished, cross_section=made.cross_section, cosines=made.cosines, phase=made.phase)
+            np.savez(
+                unfinished,
+                cross_section=made.cross_section,
+                cosines=made.cosines,
+                phase=made.phase,
+                matrix=matrix,
+            )
     except OSError:
         pass  # nowhere to keep it: computed again next time
     return made
 
 
-def _place(distribution: Distribution, index: tuple[float, ...], within: WavelengthRange) -> Path:
-    # Tables from before scenes had ranges keep their names.
-    ends = () if within.is_usual else (within,)
-    content = repr((_VERSION, _SIZES, _TAIL, _TOLERANCE, distribution, index, *ends))
+def _place(
+    distribution: Distribution, index: tuple[float, ...], within: WavelengthRange, polarised: bool = False
+) -> Path:
+    # Tables from before scenes had ranges, or matrices, keep their names.
+    more = (*(() if within.is_usual else (within,)), *(("matrix",) if polarised else ()))
+    content = repr((_VERSION, _SIZES, _TAIL, _TOLERANCE, distribution, index, *more))
     return (
         platformdirs.user_cache_path("nocturne") / f"mie-{hashlib.sha256(content.encode()).hexdigest()}.npz"
     )
@@ -144,18 +166,28 @@ def _radii(distribution: Distribution, within: WavelengthRange = VISIBLE) -> Flo
     return np.linspace(math.sqrt(wide[seen[0]]), math.sqrt(wide[seen[-1]]), _SIZES) ** 2
 
 
-def _compute(distribution: Distribution, index: tuple[float, ...], within: WavelengthRange) -> Scattering:
+def _compute(
+    distribution: Distribution, index: tuple[float, ...], within: WavelengthRange, polarised: bool
+) -> Scattering:
     radii = _radii(distribution, within)
     # The trapezoid rule over the square root of the radius, whose ends count for nothing.
     roots = np.sqrt(radii)
     weights = distribution.density(radii) * 2 * roots * (roots[1] - roots[0])
-    series = [_Series(n, radii, weights, nm * 1e-9) for n, nm in zip(index, wavelengths(within), strict=True)]
+    series = [
+        _Series(n, radii, weights, nm * 1e-9, polarised)
+        for n, nm in zip(index, wavelengths(within), strict=True)
+    ]
     angles, values = _refined(series)
     cosines = np.cos(angles)[::-1].copy()
     cosines[0], cosines[-1] = -1.0, 1.0
-    phase = values[:, ::-1]
+    phase, matrix = values[0][:, ::-1], values[1:, :, ::-1]
     total = np.asarray(2 * np.pi * np.trapezoid(phase, cosines, axis=1))
-    return Scattering(np.array([one.cross_section for one in series]), cosines, phase / total[:, None])
+    return Scattering(
+        np.array([one.cross_section for one in series]),
+        cosines,
+        phase / total[:, None],
+        matrix / phase if polarised else None,
+    )
 
 
 def _refined(series: "list[_Series]") -> tuple[Floats, Floats]:
@@ -169,38 +201,45 @@ def _refined(series: "list[_Series]") -> tuple[Floats, Floats]:
         between = _all(series, middles)
         ends, at = np.cos(angles), np.cos(middles)
         share = (ends[low] - at) / (ends[low] - ends[high])
-        lines = values[:, low] * (1 - share) + values[:, high] * share
-        poor = np.any(np.abs(lines - between) > _TOLERANCE * between, axis=0)
+        lines = values[..., low] * (1 - share) + values[..., high] * share
+        poor = np.any(np.abs(lines - between) > _TOLERANCE * between[0], axis=(0, 1))
         new = len(angles) + np.arange(int(poor.sum()))
         angles = np.concatenate([angles, middles[poor]])
-        values = np.concatenate([values, between[:, poor]], axis=1)
+        values = np.concatenate([values, between[..., poor]], axis=-1)
         low, high = np.concatenate([low[poor], new]), np.concatenate([new, high[poor]])
     order = np.argsort(angles)
-    return angles[order], values[:, order]
+    return angles[order], values[..., order]
 
 
 def _all(series: "list[_Series]", angles: Floats) -> Floats:
-    """Cosine series at angles, shape (wavelengths, angles)."""
-    terms = max(len(one.cosine_series) for one in series)
-    padded = np.stack([np.pad(one.cosine_series, (0, terms - len(one.cosine_series))) for one in series])
-    values = np.empty((len(series), len(angles)))
+    """Cosine series at angles, shape (elements, wavelengths, angles)."""
+    terms = max(one.cosine_series.shape[1] for one in series)
+    padded = np.stack(
+        [np.pad(one.cosine_series, ((0, 0), (0, terms - one.cosine_series.shape[1]))) for one in series],
+        axis=1,
+    )
+    rows = padded.reshape(-1, terms)
+    values = np.empty((len(rows), len(angles)))
     for at in _chunks(len(angles), 500):
-        values[:, at] = padded @ np.cos(np.arange(terms)[:, None] * angles[at])
-    return values
+        values[:, at] = rows @ np.cos(np.arange(terms)[:, None] * angles[at])
+    return values.reshape(*padded.shape[:2], len(angles))
 
 
 class _Series:
     """All sizes at one wavelength."""
 
-    def __init__(self, index: float, radii: Floats, weights: Floats, wavelength: float) -> None:
+    def __init__(
+        self, index: float, radii: Floats, weights: Floats, wavelength: float, polarised: bool
+    ) -> None:
         wave_number = 2 * math.pi / wavelength
         a, b = coefficients(index, wave_number * radii)
         n = np.arange(1, a.shape[1] + 1)
         per_size = (np.abs(a) ** 2 + np.abs(b) ** 2) @ (2 * n + 1)
         self.cross_section = float(2 * math.pi / wave_number**2 * (weights @ per_size))
         scale = (2 * n + 1) / (n * (n + 1))
-        self.cosine_series = _cosine_series(scale * a, scale * b, weights)
-        """Light into directions, of unpolarised light, on any scale: sum of c_k cos(k angle)."""
+        self.cosine_series = _cosine_series(scale * a, scale * b, weights, polarised)
+        """S11 and, where they are asked for, S12, S33 and S34, all on one scale, a row for each: sum of c_k
+        cos(k angle)."""
 
 
 def coefficients(index: float, sizes: Floats) -> tuple[Complexes, Complexes]:
@@ -240,8 +279,8 @@ def coefficients(index: float, sizes: Floats) -> tuple[Complexes, Complexes]:
     return a, b
 
 
-def _cosine_series(a: Complexes, b: Complexes, weights: Floats) -> Floats:
-    """c_k of sum over sizes of weight x (|S1|^2 + |S2|^2).
+def _cosine_series(a: Complexes, b: Complexes, weights: Floats, polarised: bool) -> Floats:
+    """c_k of sum over sizes of weight x (|S1|^2 + |S2|^2); with the matrix, of its other elements, too.
 
     S1 and S2 are polynomials of the cosine of a degree below the number of orders, so that as many even steps
     of the angle as twice the orders hold everything. From S1 + S2 and S1 - S2, which need half the products.
@@ -258,16 +297,42 @@ def _cosine_series(a: Complexes, b: Complexes, weights: Floats) -> Floats:
         (amplitudes.astype(np.complex64), functions.astype(np.float32))
         for amplitudes, functions in ((a + b, pi + tau), (a - b, pi - tau))
     ]
-    total = np.zeros(len(angles))
+    totals = np.zeros((4 if polarised else 1, len(angles)))
     for at in _chunks(len(weights), 100):
         used = int(np.flatnonzero(np.any(b[at] != 0, axis=0) | np.any(a[at] != 0, axis=0))[-1]) + 1
-        for amplitudes, functions in pairs:
-            part = amplitudes[at, :used]
-            for each in (part.real, part.imag):
-                total += 0.5 * (weights[at] @ np.square(each @ functions[:used], dtype=np.float64))
-    series = np.asarray(dct(total, type=1) / (len(angles) - 1), dtype=np.float64)
-    series[[0, -1]] *= 0.5
+        parts = [
+            each @ functions[:used]
+            for amplitudes, functions in pairs
+            for each in (amplitudes[at, :used].real, amplitudes[at, :used].imag)
+        ]
+        squares = [weights[at] @ np.square(each, dtype=np.float64) for each in parts]
+        for square in squares:
+            totals[0] += 0.5 * square
+        if polarised:
+            totals[1:] += _other_elements(weights[at], parts, squares)
+    series = np.asarray(dct(totals, type=1) / (len(angles) - 1), dtype=np.float64)
+    series[:, [0, -1]] *= 0.5
     return series
+
+
+def _other_elements(weights: Floats, parts: list[NDArray[Any]], squares: list[Floats]) -> Floats:
+    """S12, S33 and S34 by real and imaginary parts of P = S1 + S2 and of M = S1 - S2, times two.
+
+    |S2|^2 - |S1|^2 = -Re P M*, Re S1 S2* = (|P|^2 - |M|^2) / 4, Im S2 S1* = Im P M* / 2.
+    """
+    p_real, p_imag, m_real, m_imag = parts
+
+    def product(one: NDArray[Any], other: NDArray[Any]) -> Floats:
+        return np.asarray(weights @ np.multiply(one, other, dtype=np.float64), dtype=np.float64)
+
+    p_real_squared, p_imag_squared, m_real_squared, m_imag_squared = squares
+    return np.stack(
+        [
+            -product(p_real, m_real) - product(p_imag, m_imag),
+            0.5 * (p_real_squared + p_imag_squared - m_real_squared - m_imag_squared),
+            product(p_imag, m_real) - product(p_real, m_imag),
+        ]
+    )
 
 
 def _chunks(count: int, step: int) -> Iterator[slice]:

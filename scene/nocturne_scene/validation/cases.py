@@ -6,9 +6,9 @@ from typing import Literal
 
 from nocturne_scene.validation.documents import RANGE_NM, Document
 
-Quantity = Literal["Y", "PAR", "grey", "u'", "v'"]
+Quantity = Literal["Y", "PAR", "grey", "S1.grey", "S2.grey", "S3.grey", "u'", "v'"]
 """`PAR`: the channel of that named response; `grey`: the mean over wavelength of a further response of that
-name, as `documents.GREY` has it; u', v': chromaticity (CIE 1976)."""
+name, as `documents.GREY` has it, and of its Stokes parameters; u', v': chromaticity (CIE 1976)."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Value:
     @property
     def scale(self) -> float:
         """Of readings and their errors."""
-        return self.factor / (RANGE_NM if self.quantity == "grey" else 1.0)
+        return self.factor / (RANGE_NM if self.quantity.endswith("grey") else 1.0)
 
 
 @dataclass(frozen=True)

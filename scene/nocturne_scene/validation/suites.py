@@ -9,6 +9,7 @@ from nocturne_scene.validation import (
     interfaces,
     lamps,
     media,
+    polarisation,
     wavelengths,
 )
 from nocturne_scene.validation.cases import Suite
@@ -21,6 +22,7 @@ SUITES = (
     Suite("glass", "Fresnel's faces and plates", interfaces.scenes),
     Suite("films", "Thin films and coated panes", films.scenes),
     Suite("media", "Slabs, half spaces and layers of media", media.scenes),
+    Suite("polarisation", "Stokes vectors: filters, faces, plates, molecules, air", polarisation.scenes),
     Suite("colours", "Standard illuminants and black bodies", colours.scenes),
     Suite("wavelengths", "Ultraviolet and near infrared: W, photons, weighed watts", wavelengths.scenes),
 )

@@ -193,6 +193,27 @@ TEST(Phase, TableIsLinearInCosineAndWavelength) {
   }
 }
 
+// Elements times the phase function are linear between cosines; ours are across the plane of
+// scattering, Bohren and Huffman's in it.
+TEST(Phase, AMatrixIsLinearTimesThePhaseFunction) {
+  const ScatteringElements back{0.0f, 0.9f, -0.5f, 0.2f, -0.4f}, on{-0.4f, 0.8f, 0.5f, -0.1f, 0.6f};
+  const Phase phase{kClear, kScatters,
+                    TabulatedPhase({500.0}, {-1.0, 1.0}, {1.0f, 3.0f}, {back, on})};
+  const auto kernel = phase.bind(Shading<1>{.wavelengths = 500.0f});
+  // Across, the phase function is the mean of both ends: a quarter of it comes from one.
+  const auto found = mueller_of<1>(kernel, {0, 0, -1}, Draw<1>{.wi = {1, 0, 0}}, 1u);
+  const auto mean = [](float a, float b) { return 0.25f * a + 0.75f * b; };
+  EXPECT_NEAR(found.b[0], -mean(back.s12, on.s12), 1e-6);
+  EXPECT_NEAR(found.a[0], mean(back.s22, on.s22), 1e-6);
+  EXPECT_NEAR(found.c[0], mean(back.s33, on.s33), 1e-6);
+  EXPECT_NEAR(found.d[0], mean(back.s44, on.s44), 1e-6);
+  EXPECT_NEAR(found.s[0], -mean(back.s34, on.s34), 1e-6);
+  EXPECT_THROW(TabulatedPhase({500.0}, {-1.0, 1.0}, {1.0f, 3.0f}, {back}), std::invalid_argument);
+  const ScatteringElements beyond{1.5f, 1.0f, 1.0f, 0.0f, 1.0f};
+  EXPECT_THROW(TabulatedPhase({500.0}, {-1.0, 1.0}, {1.0f, 3.0f}, {back, beyond}),
+               std::invalid_argument);
+}
+
 TEST(Phase, AlbedoIsTheShareThatScatters) {
   const Phase phase{Spectrum(400.0f, 300.0f, {0.0f, 3.0f}, true),
                     Spectrum(400.0f, 300.0f, {2.0f, 1.0f}, true), HenyeyGreenstein(0.5)};

@@ -105,6 +105,28 @@ TEST(LoadScene, TakesFluorescenceOfPhotonsFromTheSensor) {
   EXPECT_NO_THROW(builder.load());
 }
 
+v1::Medium& add_dyed_medium(v1::CompiledScene& message) {
+  auto& medium = *message.add_media();
+  medium.mutable_phase()->mutable_henyey_greenstein()->set_g(0.0);
+  medium.set_constant(1.0);
+  medium.set_absorption(add_spectrum(message, 0.5f));
+  medium.set_scattering(add_spectrum(message, 0.0f));
+  medium.set_null_collisions(medium.absorption());
+  auto& dye = *medium.add_fluorophores();
+  dye.set_absorption(medium.absorption());
+  dye.set_emission(add_spectrum(message, 1e-6f));
+  return medium;
+}
+
+TEST(LoadScene, TakesDyesInMedia) {
+  test::SceneBuilder builder = good_scene();
+  add_dyed_medium(builder.message);
+  const auto scene = builder.load();
+  const Spectral<1> nm = 500.0f;
+  EXPECT_FLOAT_EQ(scene->media[0].extinction(nm)[0], 0.5f);
+  EXPECT_FLOAT_EQ(scene->media[0].collisions(nm)[0], 1.0f);
+}
+
 TEST(LoadScene, RefusesDamagedMessagesInWords) {
   const Damage damages[] = {
       {"format", [](auto& m) { m.set_format(1); }},
@@ -176,6 +198,23 @@ TEST(LoadScene, RefusesDamagedMessagesInWords) {
          m.mutable_tracing()->set_sharing(16);
        }},
       {"spectrum index", [](auto& m) { add_fluorophore(m).set_absorption(99); }},
+      {"fluorescence where",
+       [](auto& m) {
+         add_dyed_medium(m);
+         m.mutable_tracing()->set_sharing(16);
+       }},
+      {"spectrum index", [](auto& m) { add_dyed_medium(m).set_null_collisions(99); }},
+      {"glows and fluoresces",
+       [](auto& m) { add_dyed_medium(m).mutable_temperature()->set_blob("x"); }},
+      {"not as many as each other",
+       [](auto& m) {
+         auto& medium = add_dyed_medium(m);
+         auto& table = *medium.mutable_phase()->mutable_tabulated();
+         table.add_wavelengths(500);
+         for (const double cosine : {-1.0, 1.0}) table.add_cosines(cosine);
+         for (const float value : {1.0f, 1.0f}) table.add_values(value);
+         for (const float element : {0.0f, 0.0f}) table.add_s12(element);
+       }},
       {"zero everywhere",
        [](auto& m) { add_fluorophore(m).set_absorption(add_spectrum(m, 0.0f)); }},
       {"with lines",

@@ -11,15 +11,14 @@
 #include <vector>
 
 #include "kernels/blend.h"
-#include "kernels/fluorescent.h"
-#include "kernels/phase.h"
+#include "kernels/fluorescent_phase.h"
 #include "kernels/polarising_filter.h"
 
 namespace nocturne {
 
 using AnyKernel = std::variant<Lambertian, DiffuseTransmitter, Conductor, Dielectric, ThinPane,
                                CoatedDiffuse, Measured, Phong, Principled, Glazing, NullKernel,
-                               Blend, Phase, Fluorescent, PolarisingFilter>;
+                               Blend, Phase, Fluorescent, PolarisingFilter, FluorescentPhase>;
 
 /// Whether f(kernel) holds for the kernel at `index`, or for any part of it where it is a blend.
 template <class F>
@@ -53,7 +52,8 @@ inline void check_blends(const std::vector<AnyKernel>& kernels) {
       if (std::holds_alternative<Blend>(kernels[part.kernel])) {
         throw std::invalid_argument("a blend of a blend");
       }
-      if (std::holds_alternative<Phase>(kernels[part.kernel])) {
+      if (std::holds_alternative<Phase>(kernels[part.kernel]) ||
+          std::holds_alternative<FluorescentPhase>(kernels[part.kernel])) {
         throw std::invalid_argument("a blend of a phase function");
       }
       if (std::holds_alternative<Fluorescent>(kernels[part.kernel])) {

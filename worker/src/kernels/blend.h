@@ -82,6 +82,7 @@ class BoundBlend {
         },
         parts_[chosen].kernel);
     if (draw && draw->delta) draw->factor *= Spectral<N>(total_);
+    if (draw) draw->part = static_cast<std::uint32_t>(chosen);
     return draw;
   }
   bool smooth() const {
@@ -89,6 +90,26 @@ class BoundBlend {
   }
   bool transmits() const {
     return any([](const auto& kernel) { return kernel.transmits(); });
+  }
+
+  /// Of all smooth parts together.
+  Mueller<N> mueller(Vec3 wo, Vec3 wi, std::uint32_t photons) const {
+    MuellerSum<N> parts;
+    for (std::size_t i = 0; i < count_; ++i) {
+      std::visit(
+          [&](const auto& kernel) {
+            if (!kernel.smooth()) return;
+            parts.add(parts_[i].weight * Spectral<N>(kernel.value(wo, wi)),
+                      mueller_of<N>(kernel, wo, Draw<N>{.wi = wi}, photons));
+          },
+          parts_[i].kernel);
+    }
+    return parts.mean();
+  }
+  /// Of the part that drew.
+  Mueller<N> mueller_of_delta(Vec3 wo, const Draw<N>& draw, std::uint32_t photons) const {
+    return std::visit([&](const auto& kernel) { return mueller_of<N>(kernel, wo, draw, photons); },
+                      parts_[draw.part].kernel);
   }
 
  private:

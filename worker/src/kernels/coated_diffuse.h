@@ -18,6 +18,7 @@
 
 #include "kernels/fresnel.h"
 #include "kernels/kernel.h"
+#include "kernels/mueller.h"
 #include "kernels/rough_fresnel.h"
 #include "kernels/roughness.h"
 #include "parameters/colour.h"
@@ -100,6 +101,22 @@ struct BoundCoatedDiffuse {
 
   static constexpr bool smooth() { return true; }
   static constexpr bool transmits() { return false; }
+
+  /// The coat mirrors as Fresnel's amplitudes say; the base depolarises.
+  Mueller<N> mueller(Vec3 wo, Vec3 wi, std::uint32_t photons) const {
+    if (roughness.smooth || wi.z <= 0.0f) return {};
+    const Vec3 h = half_vector(wo, wi);
+    const float facing = dot(wo, h);
+    MuellerSum<N> parts;
+    parts.add(diffuse(wo, wi), {});
+    parts.add(roughness.facets.reflection_pdf(wo, h) * roughness.facets.reflection_weight(wo, wi) *
+                  first_facet(facing),
+              dielectric_mirror<N>(facing, ratio, photons));
+    return parts.mean();
+  }
+  Mueller<N> mueller_of_delta(Vec3 wo, const Draw<N>&, std::uint32_t photons) const {
+    return dielectric_mirror<N>(wo.z, ratio, photons);
+  }
 
  private:
   Spectral<N> coat(Vec3 w) const {

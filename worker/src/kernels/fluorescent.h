@@ -26,27 +26,17 @@ struct Fluorophore {
   float excitation;
 };
 
-/// A photon's interaction at such a surface is either a reflection or an emission, never both.
-struct Fluorescent {
-  Colour reflectance;
-  std::vector<Fluorophore> fluorophores;
-
-  static constexpr bool has_delta_lobe() { return false; }
-  static constexpr bool may_transmit() { return false; }
-
-  /// What reflects alone.
-  template <int N>
-  BoundLambertian<N> bind(const Shading<N>& shading) const {
-    return BoundLambertian<N>(reflectance(shading.point, shading.wavelengths));
-  }
+/// What a surface or a medium holds of them.
+struct Fluorophores {
+  std::vector<Fluorophore> all;
 
   /// What would be emitted at each wavelength if light had the same power at all: the integral of
   /// Phi over exciting ones. May be above 1.
   template <int N>
   Spectral<N> emitted(const Spectral<N>& wavelengths) const {
-    Spectral<N> all = 0.0f;
-    for (const Fluorophore& f : fluorophores) all += f.excitation * f.emission(wavelengths);
-    return all;
+    Spectral<N> together = 0.0f;
+    for (const Fluorophore& f : all) together += f.excitation * f.emission(wavelengths);
+    return together;
   }
 
   template <int N>
@@ -58,16 +48,16 @@ struct Fluorescent {
   /// Photons of a group draw evenly spread ones.
   template <int N>
   Excitation<N> excite(const Spectral<N>& emitted_at, float which, float u) const {
-    const Spectral<N> all = emitted(emitted_at);
+    const Spectral<N> of_all = emitted(emitted_at);
     Excitation<N> found{emitted_at, 0.0f};
     for (std::size_t k = 0; k < N; ++k) {
-      const Fluorophore* by = all[k] > 0.0f ? choose(emitted_at[k], which * all[k]) : nullptr;
+      const Fluorophore* by = of_all[k] > 0.0f ? choose(emitted_at[k], which * of_all[k]) : nullptr;
       if (by == nullptr) continue;
       const auto drawn = by->exciting.sample<1>(spread(u, k, N));
       const float nm = drawn.nm[0], absorption = by->absorption(nm);
       found.wavelengths[k] = nm;
       if (!(absorption > 0.0f)) continue;
-      found.weight[k] = absorption * nm * drawn.inverse_density[0] * (all[k] / by->excitation);
+      found.weight[k] = absorption * nm * drawn.inverse_density[0] * (of_all[k] / by->excitation);
     }
     return found;
   }
@@ -76,7 +66,7 @@ struct Fluorescent {
   // In proportion to what each emits; null where none does.
   const Fluorophore* choose(float nm, float left) const {
     const Fluorophore* last = nullptr;
-    for (const Fluorophore& f : fluorophores) {
+    for (const Fluorophore& f : all) {
       const float here = f.excitation * f.emission(nm);
       if (!(here > 0.0f)) continue;
       last = &f;
@@ -88,6 +78,21 @@ struct Fluorescent {
   static float spread(float u, std::size_t k, int n) {
     const float shifted = u + static_cast<float>(k) / static_cast<float>(n);
     return shifted >= 1.0f ? shifted - 1.0f : shifted;
+  }
+};
+
+/// A photon's interaction at such a surface is either a reflection or an emission, never both.
+struct Fluorescent {
+  Colour reflectance;
+  Fluorophores fluorophores;
+
+  static constexpr bool has_delta_lobe() { return false; }
+  static constexpr bool may_transmit() { return false; }
+
+  /// What reflects alone.
+  template <int N>
+  BoundLambertian<N> bind(const Shading<N>& shading) const {
+    return BoundLambertian<N>(reflectance(shading.point, shading.wavelengths));
   }
 };
 

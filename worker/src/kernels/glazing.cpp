@@ -59,6 +59,60 @@ struct At {
   }
 };
 
+// The effect of a boundary on products of fields. It ends light that it reflects totally.
+LayerProducts product_face(const ThinFilm& film, double cosine, double from, double to,
+                           float wavelength) {
+  const double ratio = to / from;
+  const double g2 = (ratio - 1.0) * (ratio + 1.0) + cosine * cosine;
+  const PolarisedAmplitudes front = film.amplitudes(cosine, from, {to}, wavelength);
+  const auto product = [](Complex s, Complex p) { return s * p.conjugate(); };
+  const Complex mirrored = product(front.s.reflected, front.p.reflected);
+  if (g2 <= 0.0) return {mirrored, {}, {}};
+  const PolarisedAmplitudes back =
+      film.amplitudes(std::sqrt(g2) / ratio, to, {from}, wavelength, true);
+  // The flux along the normal: n cos beyond over n cos here.
+  const double flow = std::sqrt(g2) / cosine;
+  return {mirrored, product(back.s.reflected, back.p.reflected),
+          flow * product(front.s.transmitted, front.p.transmitted)};
+}
+
+LayerProducts products_behind(const LayerProducts& first, const LayerProducts& second,
+                              double between) {
+  const double there_and_back = between * between;
+  const Complex echo = Complex{1.0} - there_and_back * (first.back * second.front);
+  if (!(echo.norm() > 0.0)) return {first.front, second.back, {}};
+  return {first.front + there_and_back * (first.through * first.through * second.front) / echo,
+          second.back + there_and_back * (second.through * second.through * first.back) / echo,
+          between * (first.through * second.through) / echo};
+}
+
+struct ProductsAt {
+  double cosine, index_from;
+  float wavelength;
+
+  LayerProducts operator()(const SheetPane& pane) const {
+    const auto index = static_cast<double>(pane.index(wavelength));
+    const double ratio = index / index_from;
+    const double g2 = (ratio - 1.0) * (ratio + 1.0) + cosine * cosine;
+    const LayerProducts front = product_face(pane.front, cosine, index_from, index, wavelength);
+    const LayerProducts back =
+        product_face(pane.back, cosine, index_from, index, wavelength).turned();
+    if (g2 <= 0.0) return products_behind(front, back, 0.0);
+    const auto transmittance = static_cast<double>(pane.transmittance(wavelength));
+    const double between =
+        transmittance == 1.0 ? 1.0 : math::pow(transmittance, ratio / std::sqrt(g2));
+    return products_behind(front, back, between);
+  }
+  LayerProducts operator()(const FilmPane& pane) const {
+    return product_face(pane.film, cosine, index_from, index_from, wavelength);
+  }
+  // As along the normal, where a mirror turns the field in the plane of incidence around.
+  LayerProducts operator()(const MeasuredPane& pane) const {
+    const LayerShares found = At{cosine, index_from, wavelength}(pane).s;
+    return {{-found.front}, {-found.back}, {found.through}};
+  }
+};
+
 double polynomial(const std::array<double, 5>& c, double x) {
   return c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * c[4])));
 }
@@ -109,6 +163,21 @@ Glazing::Glazing(std::vector<Pane> panes) : panes_(std::move(panes)) {
     }
     mirroring_[i] = std::clamp(static_cast<float>(reflected / all), kLeast, 1.0f - kLeast);
   }
+}
+
+PolarisedLayers Glazing::polarised(double cosine, float index_from, float wavelength) const {
+  // Along the faces no flux goes through them.
+  constexpr double kLeast = 1e-9;
+  cosine = std::clamp(cosine, kLeast, 1.0);
+  const At at{cosine, static_cast<double>(index_from), wavelength};
+  const ProductsAt products_at{cosine, at.index_from, wavelength};
+  Polarised all = std::visit(at, panes_[0]);
+  LayerProducts products = std::visit(products_at, panes_[0]);
+  for (std::size_t i = 1; i < panes_.size(); ++i) {
+    all = one_behind_other(all, std::visit(at, panes_[i]));
+    products = products_behind(products, std::visit(products_at, panes_[i]), 1.0);
+  }
+  return {all.s, all.p, products};
 }
 
 Shares Glazing::shares(double cosine, float index_from, float wavelength) const {

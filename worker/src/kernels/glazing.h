@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "kernels/kernel.h"
+#include "kernels/mueller.h"
 #include "kernels/thin_film.h"
 #include "spectrum/spectrum.h"
 
@@ -49,6 +50,20 @@ struct MeasuredPane {
 };
 using Pane = std::variant<SheetPane, FilmPane, MeasuredPane>;
 
+/// The same of the mean product of the field across the plane of incidence with the other's
+/// conjugate, over that of the light that comes.
+struct LayerProducts {
+  Complex front, back, through;
+
+  LayerProducts turned() const { return {back, front, through}; }
+};
+
+/// Of light kept apart by polarisation: across the plane of incidence, in it, and of both.
+struct PolarisedLayers {
+  LayerShares s, p;
+  LayerProducts both;
+};
+
 /// What measured shares are at an angle.
 LayerShares measured_shares(const LayerShares& along_normal, double cosine);
 
@@ -67,6 +82,8 @@ struct BoundGlazing {
   static Spectral<N> pdf(Vec3, Vec3) { return 0.0f; }
   static constexpr bool smooth() { return false; }
   static constexpr bool transmits() { return false; }
+
+  Mueller<N> mueller(Vec3 wo, Vec3 wi, std::uint32_t photons) const;
 
  private:
   template <class F>
@@ -89,6 +106,8 @@ class Glazing {
 
   /// Of unpolarised light.
   Shares shares(double cosine, float index_from, float wavelength) const;
+  /// A measured pane, of which nobody knows more, neither polarises nor depolarises.
+  PolarisedLayers polarised(double cosine, float index_from, float wavelength) const;
   /// Probability of mirroring, the same for all wavelengths. Never 0 or 1: at some wavelength the
   /// average may be far off.
   float mirroring(float cosine) const;
@@ -109,6 +128,22 @@ Spectral<N> BoundGlazing<N>::shares(Vec3 wo, const F& f) const {
     r[i] = static_cast<float>(
         f(glazing->shares(static_cast<double>(wo.z), index_from[i], wavelengths[i])));
   return r;
+}
+
+template <int N>
+Mueller<N> BoundGlazing<N>::mueller(Vec3 wo, Vec3 wi, std::uint32_t photons) const {
+  Mueller<N> found;
+  for (std::size_t i = 0; i < N; ++i) {
+    if (((photons >> i) & 1u) == 0u) continue;
+    const PolarisedLayers by =
+        glazing->polarised(static_cast<double>(wo.z), index_from[i], wavelengths[i]);
+    if (wi.z > 0.0f) {
+      found.set(i, by.s.front, by.p.front, by.both.front);
+    } else {
+      found.set(i, by.s.through, by.p.through, by.both.through);
+    }
+  }
+  return found;
 }
 
 template <int N>

@@ -67,6 +67,8 @@ struct Draw {
   Spectral<N> factor = 1.0f;
   /// Bit i: photon i would have drawn the same from the same numbers. The others leave the group.
   std::uint32_t coherent = kAllCoherent<N>;
+  /// Which part of a blend drew.
+  std::uint32_t part = 0;
 
   /// Photons that drew nothing while others of the group may draw something: their paths end here.
   static Draw ended(std::uint32_t coherent) {

@@ -11,6 +11,7 @@
 // Optics, 7th ed., section 10.8; signs: docs/explanation/polarisation.md.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -30,38 +31,91 @@ struct Mueller {
   static Mueller unchanged() { return {0.0f, 1.0f, 1.0f, 1.0f, 0.0f, 1.0f}; }
   void keep(std::size_t photon) { a[photon] = c[photon] = d[photon] = 1.0f; }
 
-  /// Of shares of the power along the direction and across it, and the mean product of both fields.
-  void set(std::size_t photon, double along, double across, double product) {
+  /// Of shares of the power along the direction and across it, and the mean product of the field
+  /// along it with the other's conjugate.
+  void set(std::size_t photon, double along, double across, Complex product) {
     const double mean = 0.5 * (along + across);
     if (!(mean > 0.0)) return;
     b[photon] = static_cast<float>(0.5 * (along - across) / mean);
     a[photon] = 1.0f;
-    c[photon] = d[photon] = static_cast<float>(product / mean);
+    c[photon] = d[photon] = static_cast<float>(product.re / mean);
+    s[photon] = static_cast<float>(product.im / mean);
   }
   /// Where the field along the direction is multiplied by the first number, and that across it by
   /// the second.
   void set(std::size_t photon, Complex along, Complex across) {
-    const double mean = 0.5 * (along.norm() + across.norm());
-    if (!(mean > 0.0)) return;
-    const Complex product = along * Complex{across.re, -across.im};
-    b[photon] = static_cast<float>(0.5 * (along.norm() - across.norm()) / mean);
-    a[photon] = 1.0f;
-    c[photon] = d[photon] = static_cast<float>(product.re / mean);
-    s[photon] = static_cast<float>(product.im / mean);
+    set(photon, along.norm(), across.norm(), along * across.conjugate());
+  }
+
+  /// Of light a part of which is depolarised: `kept` is the other part, of each photon.
+  Mueller diluted(const Spectral<N>& kept) const {
+    return {kept * b, kept * a, kept * c, kept * d, kept * s, size};
   }
 };
 
-/// A kernel that knows its effect on polarised light; others depolarise it. `photons`: bit i,
+/// Of light that several parts of a kernel send on.
+template <int N>
+class MuellerSum {
+ public:
+  /// `value`: what unpolarised kernels say of this part.
+  void add(const Spectral<N>& value, const Mueller<N>& part) {
+    const Spectral<N> share = value * part.size;
+    values_ += value;
+    shares_ += share;
+    sum_.b += share * part.b;
+    sum_.a += share * part.a;
+    sum_.c += share * part.c;
+    sum_.d += share * part.d;
+    sum_.s += share * part.s;
+  }
+  Mueller<N> mean() const {
+    Mueller<N> found = sum_.diluted(over(1.0f, shares_));
+    found.size = over(shares_, values_, 1.0f);
+    return found;
+  }
+
+ private:
+  static Spectral<N> over(const Spectral<N>& some, const Spectral<N>& all, float none = 0.0f) {
+    return each([none](float a, float b) { return b > 0.0f ? a / b : none; }, some, all);
+  }
+
+  Mueller<N> sum_;
+  Spectral<N> values_ = 0.0f, shares_ = 0.0f;
+};
+
+/// What the face of a dielectric mirrors.
+template <int N>
+Mueller<N> dielectric_mirror(float cosine, const Spectral<N>& ratio, std::uint32_t photons) {
+  Mueller<N> found;
+  for (std::size_t i = 0; i < N; ++i) {
+    if (((photons >> i) & 1u) == 0u) continue;
+    const PolarisedAmplitudes by = film_amplitudes(
+        static_cast<double>(std::clamp(cosine, 0.0f, 1.0f)), 1.0, {}, {double{ratio[i]}}, 1.0);
+    found.set(i, by.s.reflected, by.p.reflected);
+  }
+  return found;
+}
+
+/// A kernel that says what it does to polarised light; others depolarise it. `photons`: bit i,
 /// whether anybody asks of photon i.
 template <class B, int N>
 concept Polarises = requires(const B& b, Vec3 wo, Vec3 wi, std::uint32_t photons) {
   { b.mueller(wo, wi, photons) } -> std::same_as<Mueller<N>>;
 };
+/// One whose delta parts do something else than its smooth part does.
+template <class B, int N>
+concept PolarisesByPart = requires(const B& b, Vec3 wo, const Draw<N>& draw,
+                                   std::uint32_t photons) {
+  { b.mueller_of_delta(wo, draw, photons) } -> std::same_as<Mueller<N>>;
+};
 
 template <int N, class B>
-Mueller<N> mueller_of(const B& kernel, Vec3 wo, Vec3 wi, std::uint32_t photons) {
+Mueller<N> mueller_of(const B& kernel, Vec3 wo, const Draw<N>& draw, std::uint32_t photons) {
+  if constexpr (PolarisesByPart<B, N>) {
+    if (draw.delta) return kernel.mueller_of_delta(wo, draw, photons);
+  }
   if constexpr (Polarises<B, N>) {
-    return kernel.mueller(wo, wi, photons);
+    return kernel.mueller(wo, draw.wi, photons);
   } else {
     return {};
   }

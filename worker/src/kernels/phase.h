@@ -64,10 +64,18 @@ class BoundPhase {
   static constexpr bool smooth() { return true; }
   static constexpr bool transmits() { return true; }
 
-  /// Of Rayleigh's alone; others depolarise.
+  /// Of molecules and of tables that have a matrix; others depolarise.
   Mueller<N> mueller(Vec3 wo, Vec3 wi, std::uint32_t) const {
-    const auto* rayleigh = std::get_if<BoundRayleigh<N>>(&shape_);
-    return rayleigh != nullptr ? rayleigh->mueller(ScatteringAngle::between(wo, wi)) : Mueller<N>{};
+    const auto angle = ScatteringAngle::between(wo, wi);
+    return std::visit(
+        [&](const auto& s) {
+          if constexpr (requires { s.mueller(angle); }) {
+            return s.mueller(angle);
+          } else {
+            return Mueller<N>{};
+          }
+        },
+        shape_);
   }
 
  private:
@@ -89,6 +97,11 @@ struct Phase {
     const Spectral<N> albedo =
         each([](float a, float s) { return s > 0.0f ? s / (a + s) : 0.0f; },
              absorption(shading.wavelengths), scattering(shading.wavelengths));
+    return bind(shading, albedo);
+  }
+  /// Of another albedo.
+  template <int N>
+  BoundPhase<N> bind(const Shading<N>& shading, const Spectral<N>& albedo) const& {
     return {
         albedo,
         std::visit([&](const auto& s) { return typename BoundPhase<N>::Shape(s.bind(shading)); },

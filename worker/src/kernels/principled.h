@@ -28,6 +28,7 @@
 #include "kernels/fresnel.h"
 #include "kernels/ggx_energy.h"
 #include "kernels/kernel.h"
+#include "kernels/mueller.h"
 #include "kernels/rough_fresnel.h"
 #include "kernels/roughness.h"
 #include "kernels/sheen.h"
@@ -184,6 +185,52 @@ struct BoundPrincipled {
   }
   static constexpr bool transmits() { return false; }
 
+  /// Coat and dielectric mirror as Fresnel's amplitudes of their indices say. The other parts have
+  /// none, and depolarise: metal, whose reflectance is a colour, a dielectric's that is given, base
+  /// and sheen.
+  Mueller<N> mueller(Vec3 out, Vec3 in, std::uint32_t photons) const {
+    if (in.z <= 0.0f) return {};
+    const Vec3 wo = turn.in(out), wi = turn.in(in), h = half_vector(wo, wi);
+    const float facing = std::clamp(dot(wo, h), 0.0f, 1.0f);
+    const Spectral<N> past_sheen = sheen.there() ? sheen.through(wo.z, wi.z) : Spectral<N>(1.0f);
+    const auto off = [&](const Facets& facets) {
+      return facets.reflection_pdf(wo, h) * facets.reflection_weight(wo, wi);
+    };
+    MuellerSum<N> parts;
+    Spectral<N> rest = value(out, in);
+    const auto add = [&](const Spectral<N>& part, const Spectral<N>& index) {
+      parts.add(past_sheen * part, dielectric_mirror<N>(facing, index, photons));
+      rest = rest - past_sheen * part;
+    };
+    if (!roughness.smooth) {
+      const float through = 1.0f - std::max(coat.reflectance(wo), coat.reflectance(wi));
+      add(through * off(roughness.facets) * by_amplitudes(facing), ratio);
+    }
+    if (coat.there() && !coat.roughness.smooth) {
+      add(coat.amount * off(coat.roughness.facets) * boundary_reflectance(facing, coat.ratio),
+          coat.ratio);
+    }
+    parts.add(each([](float x) { return std::max(0.0f, x); }, rest), {});
+    return parts.mean();
+  }
+  /// Of both mirrors together, whichever drew.
+  Mueller<N> mueller_of_delta(Vec3 out, const Draw<N>&, std::uint32_t photons) const {
+    const Vec3 wo = turn.in(out);
+    const float coated = coat.reflectance(wo);
+    MuellerSum<N> parts;
+    if (coat.there() && coat.roughness.smooth) {
+      parts.add(coated, dielectric_mirror<N>(wo.z, coat.ratio, photons));
+    }
+    if (roughness.smooth) {
+      const Spectral<N> clear = by_amplitudes(wo.z), all = facet_reflectance(wo.z);
+      parts.add((1.0f - coated) * clear, dielectric_mirror<N>(wo.z, ratio, photons));
+      parts.add((1.0f - coated) *
+                    each([](float a, float b) { return std::max(0.0f, a - b); }, all, clear),
+                {});
+    }
+    return parts.mean();
+  }
+
  private:
   /// Probabilities of the parts; the same for all wavelengths.
   struct Choice {
@@ -235,6 +282,20 @@ struct BoundPrincipled {
     const Spectral<N> e = each_distinct([&](float n) { return boundary(n).reflectance(w); }, ratio);
     if (!recoloured) return e;
     return boundary(1.0f).white(w) * colouring.even + colouring.scale * e;
+  }
+
+  static Spectral<N> boundary_reflectance(float cosine, const Spectral<N>& index) {
+    return each_distinct(
+        [&](float n) {
+          return static_cast<float>(
+              fresnel_dielectric<double>(static_cast<double>(cosine), static_cast<double>(n)));
+        },
+        index);
+  }
+  /// What a facet's dielectric reflects, where that follows from its index.
+  Spectral<N> by_amplitudes(float cosine) const {
+    if (recoloured || metallic >= 1.0f) return 0.0f;
+    return (1.0f - metallic) * boundary_reflectance(cosine, ratio);
   }
 
   Spectral<N> facet_reflectance(float cosine) const {

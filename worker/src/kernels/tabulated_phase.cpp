@@ -1,6 +1,7 @@
 #include "kernels/tabulated_phase.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -26,6 +27,11 @@ void check_sizes(std::size_t rows, std::size_t columns, std::size_t values) {
   if (values != rows * columns) refuse("without one value for each wavelength and cosine");
 }
 
+bool is_in_range(const ScatteringElements& at) {
+  return std::ranges::all_of(std::array{at.s12, at.s22, at.s33, at.s34, at.s44},
+                             [](float x) { return std::fabs(x) <= 1.0f; });
+}
+
 template <class T>
 bool increases(const std::vector<T>& values) {
   return std::ranges::all_of(values, [](T x) { return std::isfinite(x); }) &&
@@ -35,11 +41,16 @@ bool increases(const std::vector<T>& values) {
 }  // namespace
 
 TabulatedPhase::TabulatedPhase(const std::vector<double>& wavelengths, std::vector<double> cosines,
-                               std::vector<float> values)
+                               std::vector<float> values, std::vector<ScatteringElements> matrix)
     : wavelengths_(wavelengths.begin(), wavelengths.end()),
       cosines_(std::move(cosines)),
-      values_(std::move(values)) {
+      values_(std::move(values)),
+      matrix_(std::move(matrix)) {
   check_sizes(wavelengths_.size(), cosines_.size(), values_.size());
+  if (!matrix_.empty() && matrix_.size() != values_.size()) {
+    refuse("whose matrix has not one element for each value");
+  }
+  if (!std::ranges::all_of(matrix_, is_in_range)) refuse("with an element of its matrix beyond 1");
   if (!increases(wavelengths_)) refuse("whose wavelengths do not increase");
   if (!increases(cosines_) || cosines_.front() != -1.0 || cosines_.back() != 1.0) {
     refuse("whose cosines do not increase from -1 to 1");

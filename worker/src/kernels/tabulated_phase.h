@@ -1,5 +1,9 @@
 // A phase function given by numbers, such as that of droplets from Mie's theory: linear between
-// wavelengths and between cosines of the scattering angle.
+// wavelengths and between cosines of the scattering angle. For light that is polarised it may have
+// a matrix, as particles have that are turned at random and are as many as their mirror images; its
+// elements are linear as the phase function is. C. F. Bohren and D. R. Huffman, Absorption and
+// Scattering of Light by Small Particles, 1983, equations 4.77 and 13.21, whose S1 is positive in
+// the plane of scattering; ours is across it, as in mueller.h.
 #pragma once
 
 #include <array>
@@ -7,11 +11,24 @@
 #include <vector>
 
 #include "kernels/kernel.h"
+#include "kernels/mueller.h"
 #include "kernels/scattering_angle.h"
 
 namespace nocturne {
 
 class TabulatedPhase;
+
+/// Over the phase function.
+struct ScatteringElements {
+  float s12, s22, s33, s34, s44;
+
+  friend ScatteringElements operator*(float a, const ScatteringElements& b) {
+    return {a * b.s12, a * b.s22, a * b.s33, a * b.s34, a * b.s44};
+  }
+  friend ScatteringElements operator+(const ScatteringElements& a, const ScatteringElements& b) {
+    return {a.s12 + b.s12, a.s22 + b.s22, a.s33 + b.s33, a.s34 + b.s34, a.s44 + b.s44};
+  }
+};
 
 template <int N>
 struct BoundTabulatedPhase {
@@ -30,6 +47,8 @@ struct BoundTabulatedPhase {
   }
   /// A photon's row by the path pdf ratios, then by inversion.
   ScatteringAngle sample(const KernelNumbers& numbers) const;
+  /// Depolarises where nothing is known of it.
+  Mueller<N> mueller(const ScatteringAngle& angle) const;
 };
 
 class TabulatedPhase {
@@ -45,9 +64,10 @@ class TabulatedPhase {
 
   /// `wavelengths`: nm, increasing; the first and last hold outside. `cosines`: increasing from -1
   /// to 1. `values`: by wavelength, then cosine; not negative, not all zero in a row; any unit, as
-  /// each row is normalised. Throws std::invalid_argument.
+  /// each row is normalised. `matrix`: as many as values, over them, each in [-1, 1]; or none.
+  /// Throws std::invalid_argument.
   TabulatedPhase(const std::vector<double>& wavelengths, std::vector<double> cosines,
-                 std::vector<float> values);
+                 std::vector<float> values, std::vector<ScatteringElements> matrix = {});
 
   template <int N>
   BoundTabulatedPhase<N> bind(const Shading<N>& shading) const& {
@@ -70,6 +90,13 @@ class TabulatedPhase {
     const float* value = &values_[row * cosines_.size() + at.cell];
     return value[0] + at.fraction * (value[1] - value[0]);
   }
+  bool has_matrix() const { return !matrix_.empty(); }
+  /// Of one wavelength's row, times its density there.
+  ScatteringElements elements(std::size_t row, const CosineCell& at) const {
+    const std::size_t place = row * cosines_.size() + at.cell;
+    return (1.0f - at.fraction) * values_[place] * matrix_[place] +
+           at.fraction * values_[place + 1] * matrix_[place + 1];
+  }
   /// A cosine by inversion of a row's cumulative distribution.
   double sample(std::size_t row, float u) const;
 
@@ -85,6 +112,7 @@ class TabulatedPhase {
   std::vector<double> cosines_;
   // 1/sr, by row.
   std::vector<float> values_;
+  std::vector<ScatteringElements> matrix_;
   // Probability below each cosine but the first, by row.
   std::vector<double> cumulative_;
 };
@@ -99,6 +127,29 @@ Spectral<N> BoundTabulatedPhase<N>::density(const ScatteringAngle& angle) const 
     if (fraction > 0.0f) r[i] += fraction * (table->density(low + 1, at) - r[i]);
   }
   return r;
+}
+
+template <int N>
+Mueller<N> BoundTabulatedPhase<N>::mueller(const ScatteringAngle& angle) const {
+  Mueller<N> found;
+  if (!table->has_matrix()) return found;
+  const TabulatedPhase::CosineCell at = table->place(angle.cosine());
+  const Spectral<N> all = density(angle);
+  for (std::size_t i = 0; i < N; ++i) {
+    if (!(all[i] > 0.0f)) continue;
+    const auto& [low, fraction] = rows[i];
+    ScatteringElements there = table->elements(low, at);
+    if (fraction > 0.0f) {
+      there = (1.0f - fraction) * there + fraction * table->elements(low + 1, at);
+    }
+    const ScatteringElements of = (1.0f / all[i]) * there;
+    found.b[i] = -of.s12;
+    found.a[i] = of.s22;
+    found.c[i] = of.s33;
+    found.d[i] = of.s44;
+    found.s[i] = -of.s34;
+  }
+  return found;
 }
 
 template <int N>

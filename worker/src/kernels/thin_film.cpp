@@ -120,9 +120,9 @@ auto ThinFilm::with_layers(float wavelength, bool in_reverse, const F& f) const 
   return f(std::span<const FilmLayer>(layers).first(layers_.size()));
 }
 
-PolarisedAmplitudes ThinFilm::amplitudes(double cosine, double from, Complex to,
-                                         float wavelength) const {
-  return with_layers(wavelength, false, [&](std::span<const FilmLayer> layers) {
+PolarisedAmplitudes ThinFilm::amplitudes(double cosine, double from, Complex to, float wavelength,
+                                         bool in_reverse) const {
+  return with_layers(wavelength, in_reverse, [&](std::span<const FilmLayer> layers) {
     return film_amplitudes(std::clamp(cosine, 0.0, 1.0), from, layers, to, wavelength);
   });
 }

@@ -31,6 +31,7 @@ struct Complex {
     const double less = 1.0 / b.norm();
     return {less * (a.re * b.re + a.im * b.im), less * (a.im * b.re - a.re * b.im)};
   }
+  Complex conjugate() const { return {re, -im}; }
   /// |z|^2
   double norm() const { return re * re + im * im; }
 };
@@ -89,9 +90,9 @@ class ThinFilm {
   bool empty() const { return layers_.empty(); }
   ThinFilm reversed() const;
 
-  /// Of light that meets the layers in their order.
-  PolarisedAmplitudes amplitudes(double cosine, double from, Complex to, float wavelength) const;
   /// Of light that meets the layers in their order, or in reverse.
+  PolarisedAmplitudes amplitudes(double cosine, double from, Complex to, float wavelength,
+                                 bool in_reverse = false) const;
   PolarisedShares shares(double cosine, double from, Complex to, float wavelength,
                          bool in_reverse = false) const;
 

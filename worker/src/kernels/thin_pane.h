@@ -73,7 +73,7 @@ struct BoundThinPane {
       const auto of = [&](const PaneShares& shares) {
         return wi.z > 0.0f ? shares.reflected : shares.transmitted;
       };
-      found.set(i, of(by.across), of(by.within), of(by.products));
+      found.set(i, of(by.across), of(by.within), Complex{of(by.products)});
       const double mean = 0.5 * (of(by.across) + of(by.within));
       if (of(plain) > 0.0) found.size[i] = static_cast<float>(mean / of(plain));
     }

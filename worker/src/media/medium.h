@@ -20,11 +20,21 @@ struct Medium {
   Spectrum absorption, scattering;
   AnyDensity density;
   std::optional<Glow> glow = {};
+  /// Where dyes may have emitted photons from the sensor, besides collisions of light; 1/m at
+  /// density 1.
+  std::optional<Spectrum> null_collisions = {};
 
   /// Of absorption and scattering, 1/m at density 1.
   template <int N>
   Spectral<N> extinction(const Spectral<N>& wavelengths_nm) const {
     return absorption(wavelengths_nm) + scattering(wavelengths_nm);
+  }
+
+  /// Of photons from the sensor, 1/m at density 1: extinction and null collisions.
+  template <int N>
+  Spectral<N> collisions(const Spectral<N>& wavelengths_nm) const {
+    const Spectral<N> light = extinction(wavelengths_nm);
+    return null_collisions ? light + (*null_collisions)(wavelengths_nm) : light;
   }
 
   /// Emission over extinction, W m-2 sr-1 nm-1: what a photon that meets the medium there counts.

@@ -6,11 +6,30 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
+
+#include "scene/load_special_kernels.h"
 
 namespace nocturne {
 namespace {
 
 using Shape = decltype(Phase::shape);
+
+std::vector<ScatteringElements> load_matrix(const v1::TabulatedPhase& message) {
+  const int count = message.s12_size();
+  const auto fits = [count](int size) { return size == count; };
+  require(fits(message.s33_size()) && fits(message.s34_size()) &&
+              (message.s22_size() == 0 || fits(message.s22_size())) &&
+              (message.s44_size() == 0 || fits(message.s44_size())),
+          "a phase matrix whose elements are not as many as each other");
+  std::vector<ScatteringElements> matrix;
+  for (int i = 0; i < count; ++i) {
+    matrix.push_back({message.s12(i), message.s22_size() == 0 ? 1.0f : message.s22(i),
+                      message.s33(i), message.s34(i),
+                      message.s44_size() == 0 ? message.s33(i) : message.s44(i)});
+  }
+  return matrix;
+}
 
 Shape load_tabulated(const v1::TabulatedPhase& message) {
   require(message.wavelengths_size() <= static_cast<int>(TabulatedPhase::kMaxWavelengths) &&
@@ -19,7 +38,7 @@ Shape load_tabulated(const v1::TabulatedPhase& message) {
           "a phase function with too many values");
   return TabulatedPhase({message.wavelengths().begin(), message.wavelengths().end()},
                         {message.cosines().begin(), message.cosines().end()},
-                        {message.values().begin(), message.values().end()});
+                        {message.values().begin(), message.values().end()}, load_matrix(message));
 }
 
 Shape load_shape(const LoadContext& context, const v1::PhaseFunction& message) {
@@ -103,6 +122,13 @@ std::optional<Glow> load_glow(const v1::Medium& message, Grids& grids) {
   return Glow(grids.field(message.temperature()), scale);
 }
 
+std::optional<Spectrum> load_null_collisions(const LoadContext& context,
+                                             const v1::Medium& message) {
+  if (message.fluorophores_size() == 0) return std::nullopt;
+  require(!message.has_temperature(), "a medium that glows and fluoresces");
+  return context.spectrum(message.null_collisions());
+}
+
 }  // namespace
 
 std::vector<Medium> load_media(const LoadContext& context, std::vector<AnyKernel>& kernels,
@@ -113,10 +139,20 @@ std::vector<Medium> load_media(const LoadContext& context, std::vector<AnyKernel
     const Spectrum& absorption = context.spectrum(message.absorption());
     const Spectrum& scattering = context.spectrum(message.scattering());
     const auto kernel = static_cast<std::uint32_t>(kernels.size());
-    kernels.emplace_back(Phase{absorption, scattering, load_shape(context, message.phase())});
-    materials.push_back({.front_kernel = kernel, .back_kernel = kernel});
-    media.push_back(
-        {absorption, scattering, load_density(message, grids), load_glow(message, grids)});
+    const bool fluoresces = message.fluorophores_size() > 0;
+    const std::optional<Spectrum> null_collisions = load_null_collisions(context, message);
+    Phase phase{absorption, scattering, load_shape(context, message.phase())};
+    if (fluoresces) {
+      kernels.emplace_back(FluorescentPhase{std::move(phase),
+                                            load_fluorophores(context, message.fluorophores()),
+                                            null_collisions.value_or(Spectrum(0.0f))});
+    } else {
+      kernels.emplace_back(std::move(phase));
+    }
+    materials.push_back(
+        {.front_kernel = kernel, .back_kernel = kernel, .has_delta_lobe = fluoresces});
+    media.push_back({absorption, scattering, load_density(message, grids),
+                     load_glow(message, grids), null_collisions});
   }
   return media;
 }

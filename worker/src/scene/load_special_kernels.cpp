@@ -61,14 +61,20 @@ bool has(const std::vector<AnyKernel>& kernels) {
 
 }  // namespace
 
-Fluorescent load_fluorescent(const LoadContext& context, const v1::Fluorescent& message) {
+Fluorophores load_fluorophores(
+    const LoadContext& context,
+    const google::protobuf::RepeatedPtrField<v1::Fluorescent::Fluorophore>& messages) {
   constexpr int kMaxFluorophores = 1000;
-  require(message.fluorophores_size() >= 1 && message.fluorophores_size() <= kMaxFluorophores,
-          "a fluorescent kernel of no fluorophore, or of more than 1000");
-  Fluorescent kernel{load_colour(context, message.reflectance(), 1.0f), {}};
-  for (const auto& each : message.fluorophores())
-    kernel.fluorophores.push_back(load_fluorophore(context, each));
-  return kernel;
+  require(messages.size() >= 1 && messages.size() <= kMaxFluorophores,
+          "fluorescence of no fluorophore, or of more than 1000");
+  Fluorophores loaded;
+  for (const auto& each : messages) loaded.all.push_back(load_fluorophore(context, each));
+  return loaded;
+}
+
+Fluorescent load_fluorescent(const LoadContext& context, const v1::Fluorescent& message) {
+  return {load_colour(context, message.reflectance(), 1.0f),
+          load_fluorophores(context, message.fluorophores())};
 }
 
 PolarisingFilter load_filter(const LoadContext& context, const v1::PolarisingFilter& message) {
@@ -89,7 +95,7 @@ bool is_polarised(const v1::Sensor& sensor, const std::vector<AnyKernel>& kernel
 void check_special_kernels(const std::vector<AnyKernel>& kernels, bool polarised,
                            const TracingOptions& options) {
   const bool alone = options.direction == Direction::kAdjoint && options.sharing == 1;
-  require(alone || !has<Fluorescent>(kernels),
+  require(alone || !(has<Fluorescent>(kernels) || has<FluorescentPhase>(kernels)),
           "fluorescence where photons start from luminaires or share");
   require(alone || !polarised, "polarised light where photons start from luminaires or share");
 }

@@ -9,6 +9,9 @@
 namespace nocturne {
 
 /// Excited by wavelengths of the scene.
+Fluorophores load_fluorophores(
+    const LoadContext& context,
+    const google::protobuf::RepeatedPtrField<v1::Fluorescent::Fluorophore>& messages);
 Fluorescent load_fluorescent(const LoadContext& context, const v1::Fluorescent& message);
 PolarisingFilter load_filter(const LoadContext& context, const v1::PolarisingFilter& message);
 

@@ -102,6 +102,13 @@ struct CameraRay {
   enum class State : std::uint8_t { kUnderWay, kHidden, kThere } state = State::kUnderWay;
 };
 
+/// Photons that a dye emitted where a group collided with a medium.
+template <int N>
+struct EmittedInMedium {
+  Group<N> group;
+  Hit hit;
+};
+
 /// Estimator counts the light or the sensors that photons meet; it has
 ///   kTransport
 ///   on_ray(sample, group, hit or null)  for every ray, before the body it crosses absorbs
@@ -198,6 +205,7 @@ struct Batch {
   std::vector<TimedRay> timed_rays;
   std::vector<std::optional<Hit>> hits;
   std::vector<Encounter> encounters;
+  std::vector<EmittedInMedium<N>> emitted;
   std::vector<Contacts> contacts;
   KernelOrder by_kernel;
   /// Of adjoint photons.

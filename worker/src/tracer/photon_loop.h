@@ -14,6 +14,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <type_traits>
 
 #include "math/in_place.h"
 #include "pdfs/directions.h"
@@ -207,6 +208,31 @@ void scatter_by(Batch<N, Estimator, Media>& batch, std::span<const std::uint32_t
     chunk.count = 0;
   }
   if (chunk.count > 0) scatter_chunk(batch, chunk);
+  if constexpr (std::is_same_v<Kernel, FluorescentPhase>) scatter_emitted(batch, chunk);
+}
+
+/// Photons that dyes emitted, evenly to all sides.
+template <class Batch, int N>
+void scatter_emitted(Batch& batch, Chunk<N, BoundFluorescentPhase<N>>& chunk) {
+  static constexpr Encounter kMet;
+  chunk.count = 0;
+  for (EmittedInMedium<N>& from : batch.emitted) {
+    const BatchSample<N>& sample = batch.sample_of(from.group);
+    auto& vertex = chunk.vertices[chunk.count];
+    vertex.emplace(InPlace{[&] {
+      return vertex_at(batch.scene, from.hit, from.group, sample.wavelengths, Batch::kTransport);
+    }});
+    complete(batch.scene, {}, from.group, sample.time, *vertex);
+    chunk.groups[chunk.count] = &from.group;
+    chunk.met[chunk.count] = &kMet;
+    chunk.kernels[chunk.count].emplace(
+        BoundFluorescentPhase<N>{BoundPhase<N>(1.0f, HenyeyGreenstein(0.0))});
+    if (++chunk.count < kChunk) continue;
+    scatter_chunk(batch, chunk);
+    chunk.count = 0;
+  }
+  if (chunk.count > 0) scatter_chunk(batch, chunk);
+  batch.emitted.clear();
 }
 
 /// Adds what a group met to the chunk, unless it ends or passes there.

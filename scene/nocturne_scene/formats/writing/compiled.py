@@ -118,6 +118,8 @@ class Compiled:
     def _medium(self, medium: scene_pb2.Medium, place: str) -> Medium:
         if medium.HasField("temperature"):
             self.findings.lost(place, "a medium that glows can't be exported")
+        if medium.fluorophores:
+            self.findings.lost(place, "a medium that fluoresces can't be exported")
         grid = medium.grid if medium.WhichOneof("density") == "grid" else None
         if medium.WhichOneof("density") == "altitude":
             self.findings.lost(place, "a density that depends on altitude can't be exported")

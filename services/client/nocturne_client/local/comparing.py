@@ -10,6 +10,7 @@ import numpy as np
 from nocturne_scene.compare.agreement import Difference, Estimate, compare
 from nocturne_scene.compare.images import Picture, read_picture, write_difference
 from nocturne_scene.errors import InputError
+from nocturne_scene.photometry.polarisation import LinearPolarisation, polarisation_of
 from nocturne_scene.uncertainty import read_region
 
 from nocturne_client.client import Client
@@ -46,6 +47,8 @@ class Compared:
     """Of the images' mean chromaticity u', v', where the noise of both is known."""
     shift_error: tuple[float, float] = (0.0, 0.0)
     """Its standard error."""
+    polarisation: tuple[LinearPolarisation, LinearPolarisation] | None = None
+    """How the mean light of both is polarised, where both files tell."""
 
 
 def compare_files(comparison: Comparison, difference: Path | None) -> Compared:
@@ -59,7 +62,7 @@ def compare_files(comparison: Comparison, difference: Path | None) -> Compared:
             raise InputError.at(str(comparison.image), str(error)) from None
         if difference is not None:
             write_difference(difference, image.xyz[..., 1] * comparison.scale, reference.xyz[..., 1])
-    return Compared(found, names, *_shift(image, reference))
+    return Compared(found, names, *_shift(image, reference), _polarisation(image, reference))
 
 
 def _estimates(
@@ -116,6 +119,15 @@ def _shift(image: Picture, reference: Picture) -> tuple[tuple[float, float] | No
     return (u, v), (u_error, v_error)
 
 
+def _polarisation(image: Picture, reference: Picture) -> tuple[LinearPolarisation, LinearPolarisation] | None:
+    found = []
+    for picture in (image, reference):
+        reading = read_region(picture.moments) if picture.moments is not None else None
+        found.append(None if reading is None else polarisation_of(reading, picture.names))
+    one, other = found
+    return None if one is None or other is None else (one, other)
+
+
 def _degrees(picture: Picture) -> float:
     return np.inf if picture.samples is None else max(1.0, float(picture.samples.min()) - 1)
 
@@ -135,6 +147,16 @@ def as_json(compared: Compared) -> dict[str, Any]:
     if compared.shift is not None:
         values["chromaticity_shift"] = list(compared.shift)
         values["chromaticity_shift_error"] = list(compared.shift_error)
+    if compared.polarisation is not None:
+        values["linear_polarisation"] = [
+            {
+                "degree": each.degree,
+                "degree_interval": list(each.degree_interval),
+                "angle_degrees": each.angle_degrees,
+                "angle_error_degrees": each.angle_error,
+            }
+            for each in compared.polarisation
+        ]
     if found.ratio_error is not None:
         values["ratio_error"] = found.ratio_error.tolist()
     if found.verdict is not None:
@@ -159,12 +181,20 @@ def as_lines(compared: Compared) -> list[str]:
         shifts = zip(("u'", "v'"), compared.shift, compared.shift_error, strict=True)
         told = ", ".join(f"{name} {shift:+.5f} +- {CONFIDENCE * error:.5f}" for name, shift, error in shifts)
         lines.append(f"mean chromaticity off by {told} (95 %)")
+    if compared.polarisation is not None:
+        lines.append("linearly polarised " + ", the reference's ".join(map(_told, compared.polarisation)))
     if found.verdict is None:
         return [*lines, "neither file tells its noise, so nothing can be said about chance"]
     verdict = found.verdict
     lines.append(f"pixels within their bound: {verdict.share_explained:.2%}; expected 99.75 % or more")
     lines.append(f"tiles and means {'agree' if verdict.sums_agree else 'differ by more than noise'}")
     return lines
+
+
+def _told(found: LinearPolarisation) -> str:
+    low, high = found.degree_interval
+    angle = f"at {found.angle_degrees:.1f} +- {found.angle_error:.1f} degrees"
+    return f"by {found.degree:.4g} ({low:.4g} to {high:.4g}) {angle}"
 
 
 def compared_with_baseline(

@@ -69,7 +69,9 @@ class FreeFlight {
   }
 
   /// Media so thin that a photon would seldom meet them by chance. To be asked before force.
+  /// Never of those that fluoresce, which photons meet more often than light does.
   bool thin(const Group<N>& group, float nearest) {
+    if (collides_in_vain_) return false;
     const Ray ray = from_surface(group);
     const float end = nearest + group.ray_offset;
     depth_ = 0.0f;
@@ -126,14 +128,16 @@ class FreeFlight {
   }
 
   void transmit(Group<N>& group, const Ray& ray, const Uniform4& u, float end) const {
-    group.weight *= each([end](float sigma) { return math::exp(-sigma * end); }, constant_);
+    group.weight *=
+        each([end](float sigma) { return math::exp(-sigma * end); }, constant_ - constant_null_);
     for (std::size_t i = 0; i < present_.size(); ++i) {
       if (!(largest(group.weight) > 0.0f)) return;
       const Present& present = present_[i];
       std::visit(
           [&](const auto& density) {
             if constexpr (!kIsConstant<decltype(density)>) {
-              const auto left = transmitted(density, present.extinction, ray, end, numbers(u, i));
+              const auto left =
+                  transmitted(density, extinction_of(present), ray, end, numbers(u, i));
               if (!left) return truncate(group);
               group.weight *= *left;
             }
@@ -161,7 +165,7 @@ class FreeFlight {
 
   struct Present {
     std::uint32_t index;
-    /// 1/m at density 1.
+    /// 1/m at density 1, with null collisions.
     Spectral<N> extinction;
     /// Zero unless it is the same everywhere.
     float density;
@@ -180,6 +184,8 @@ class FreeFlight {
     present_.clear();
     first_varying_ = kNone;
     constant_ = 0.0f;
+    constant_null_ = 0.0f;
+    collides_in_vain_ = false;
     inside.for_each_present(scene_.interiors, [&](const Interior& body) {
       for (const std::uint32_t medium : body.media) add(medium);
     });
@@ -267,14 +273,24 @@ class FreeFlight {
   void add(std::uint32_t index) {
     if (present_.size() == kMaxPresent) return;
     const Medium& medium = scene_.media[index];
-    Present present{index, medium.extinction(wavelengths_), 0.0f};
+    Present present{index, medium.collisions(wavelengths_), 0.0f};
+    collides_in_vain_ = collides_in_vain_ || medium.null_collisions;
     if (const auto* constant = std::get_if<ConstantDensity>(&medium.density)) {
       present.density = constant->value;
       constant_ += present.density * present.extinction;
+      if (medium.null_collisions) {
+        constant_null_ += present.density * (*medium.null_collisions)(wavelengths_);
+      }
     } else if (first_varying_ == kNone) {
       first_varying_ = present_.size();
     }
     present_.push(present);
+  }
+
+  // What light loses, without null collisions.
+  Spectral<N> extinction_of(const Present& present) const {
+    const Medium& medium = scene_.media[present.index];
+    return medium.null_collisions ? medium.extinction(wavelengths_) : present.extinction;
   }
 
   // The first of the flight's own numbers is better spread than any: it goes to the first medium
@@ -427,8 +443,9 @@ class FreeFlight {
   const Spectral<N> wavelengths_;
   PathLimits& limits_;
   InteriorList inside_;
-  // Extinction of all media that are the same everywhere, 1/m.
-  Spectral<N> constant_ = 0.0f;
+  // Of all media that are the same everywhere, 1/m, with null collisions; and of these alone.
+  Spectral<N> constant_ = 0.0f, constant_null_ = 0.0f;
+  bool collides_in_vain_ = false;
   FixedStack<Present, kMaxPresent> present_;
   std::size_t first_varying_;
   // What thin found.

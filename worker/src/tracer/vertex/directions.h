@@ -83,7 +83,7 @@ void for_each_draw(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const
     spawn_ray(batch, group, vertex, draw->wi, draw->delta, [&](Group<N>& on) {
       if (together != all) on.weight = only(group.weight, together);
       weigh(on, *draw);
-      polarise(batch, on, vertex, kernel, draw->wi);
+      polarise(batch, on, vertex, kernel, *draw);
     });
   }
 }

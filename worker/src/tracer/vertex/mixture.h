@@ -68,7 +68,7 @@ void draw_from_mixture(Batch& batch, Group<N>& group, const Vertex<N>& vertex, c
   }
   spawn_ray(batch, group, vertex, draw.wi, false, [&](Group<N>& on) {
     weigh(on, draw);
-    polarise(batch, on, vertex, kernel, draw.wi);
+    polarise(batch, on, vertex, kernel, draw);
   });
 }
 
@@ -113,7 +113,7 @@ void split(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const Kernel&
     spawn_ray(batch, group, vertex, draw.wi, false, [&](Group<N>& on) {
       on.sequence = sequence;
       weigh(on, draw, drawn_by);
-      polarise(batch, on, vertex, kernel, draw.wi);
+      polarise(batch, on, vertex, kernel, draw);
     });
   }
   drawn_pdf = 0.0f;

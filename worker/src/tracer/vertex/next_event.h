@@ -47,7 +47,7 @@ void estimate_next_event(Batch& batch, const Group<N>& group, const Vertex<N>& v
     photon.weight *= there.value;
     photon.mis = {MisTechnique::kLights, light->from, drawn.direction,
                   survival * there.pdf,  drawn.pdf,   worth_outside(batch, photon)};
-    polarise(batch, photon, vertex, kernel, wi);
+    polarise(batch, photon, vertex, kernel, Draw<N>{.wi = wi});
   });
 }
 

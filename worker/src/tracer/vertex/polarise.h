@@ -12,11 +12,11 @@ struct PassedOn {
   Spectral<N> factor;
 };
 
-/// Past a vertex, where light comes from `wi`, in its frame.
+/// Past a vertex, where light comes from where it was drawn to go, in its frame.
 template <class Batch, int N, class Kernel>
 PassedOn<N> pass_vertex(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
-                        const Kernel& kernel, Vec3 wi) {
-  const Vec3 comes = -vertex.to_world(wi), leaves = -group.ray.direction;
+                        const Kernel& kernel, const Draw<N>& draw) {
+  const Vec3 comes = -vertex.to_world(draw.wi), leaves = -group.ray.direction;
   PassedOn<N> passed{batch.estimator.polarisations()[group.sample], 1.0f};
   if constexpr (requires { kernel.axis; }) {
     passed.beyond.turn_to(across_ray(kernel.axis, leaves), leaves);
@@ -25,14 +25,14 @@ PassedOn<N> pass_vertex(Batch& batch, const Group<N>& group, const Vertex<N>& ve
     const bool straight = along_each_other(comes, leaves);
     passed.beyond.turn_to(across_both(straight ? vertex.frame.normal : comes, leaves), leaves);
   }
-  passed.factor = passed.beyond.pass(mueller_of<N>(kernel, vertex.wo, wi, alive(group.weight)));
+  passed.factor = passed.beyond.pass(mueller_of<N>(kernel, vertex.wo, draw, alive(group.weight)));
   return passed;
 }
 
 template <class Batch, int N, class Kernel>
 requires(Batch::kPolarised) void polarise(Batch& batch, Group<N>& group, const Vertex<N>& vertex,
-                                          const Kernel& kernel, Vec3 wi) {
-  const PassedOn<N> passed = pass_vertex(batch, group, vertex, kernel, wi);
+                                          const Kernel& kernel, const Draw<N>& draw) {
+  const PassedOn<N> passed = pass_vertex(batch, group, vertex, kernel, draw);
   group.weight *= passed.factor;
   batch.change_polarisation(group, passed.beyond);
 }
@@ -43,7 +43,7 @@ requires(Batch::kPolarised) PassedOn<N> polarise_light(Batch& batch, const Group
                                                        const Vertex<N>& vertex,
                                                        const Kernel& kernel, Vec3 wi,
                                                        Spectral<N>& found) {
-  const PassedOn<N> passed = pass_vertex(batch, group, vertex, kernel, wi);
+  const PassedOn<N> passed = pass_vertex(batch, group, vertex, kernel, Draw<N>{.wi = wi});
   found *= passed.factor;
   return passed;
 }
@@ -73,7 +73,7 @@ requires(Batch::kPolarised) void start_polarisation(Batch& batch, const Start<N>
 // Where nobody asks: calls, so that the loop has the same branches, and its profile fits.
 struct Unpolarised {};
 template <class Batch, int N, class Kernel>
-void polarise(Batch&, Group<N>&, const Vertex<N>&, const Kernel&, Vec3) {}
+void polarise(Batch&, Group<N>&, const Vertex<N>&, const Kernel&, const Draw<N>&) {}
 template <class Batch, int N, class Kernel>
 Unpolarised polarise_light(Batch&, const Group<N>&, const Vertex<N>&, const Kernel&, Vec3,
                            Spectral<N>&) {
