@@ -21,7 +21,7 @@ STAMPS := build/stamps
 PROCESSES := --numprocesses
 NOT_MINUTES := not soak and not references and not peers and not containers and not blender and not roots and not slurm
 
-.PHONY: help packages venv proto web worker programs build dist roots slurm containers demo stop test check check-types check-page check-form test-cpp test-page test-services-at-work test-accuracy test-crossings test-coordinator test-services test-scene test-others heaviest format unit system screenshots visit soak accuracy fuzz fuzz-readers crossings references peers blender stability preflights profile sanitize bench lock contract docs gallery clean
+.PHONY: help packages venv proto web worker programs build dist roots slurm containers demo stop test check check-types check-page check-form test-cpp test-page test-services-at-work test-accuracy test-crossings test-coordinator test-services test-scene test-others heaviest format unit system screenshots visit soak accuracy fuzz fuzz-readers crossings references peers blender stability preflights profile sanitize bench lock contract docs reference-pictures gallery clean
 
 help:  ## This list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*##/\t/' | expand -t 12
@@ -218,13 +218,15 @@ contract: proto  ## The API's description, its page of routes and the Python cli
 	mv build/contract.py services/client/nocturne_client/contract.py
 
 docs: contract  ## Pages that are generated from the code, the documentation site in build/docs-site; runs the tutorials
-	$(PYTHON) -m nocturne_scene.document.reference > docs/reference/scene.md
-	$(PYTHON) -m nocturne_scene.document.reference --schema > docs/reference/scene.schema.json
+	$(PYTHON) -m nocturne_scene.document.reference docs/reference
 	$(PYTHON) -m typer nocturne_client.cli.app utils docs --name nocturne --title "All commands and options" \
 	  > docs/reference/commands.md
 	$(PYTHON) -m examples.gallery --page
 	$(PYTHON) -m sphinx --fail-on-warning --keep-going --quiet -c docs -d build/docs-doctrees . build/docs-site
 	NOCTURNE_SITE=$(CURDIR)/build/docs-site pytest --quiet -m soak tests/docs
+
+reference-pictures: build  ## Pictures of the scene reference that are missing, into docs/images/scene (minutes)
+	$(PYTHON) -m examples.reference_pictures
 
 gallery: build  ## Pictures of examples whose entry in examples/gallery.toml is new, and docs/gallery.md (minutes)
 	$(PYTHON) -m examples.gallery

@@ -20,7 +20,12 @@ class Together(MetadataHookInterface):
         scripts: dict[str, str] = {}
         for folder in PACKAGES:
             project = tomllib.loads((Path(self.root) / folder / "pyproject.toml").read_text())["project"]
-            wanted |= {each for each in project.get("dependencies", ()) if not each.startswith("nocturne")}
+            # What `nocturne[all]` brings is here, too.
+            asked = [
+                *project.get("dependencies", ()),
+                *project.get("optional-dependencies", {}).get("all", ()),
+            ]
+            wanted |= {each for each in asked if not each.startswith("nocturne")}
             scripts |= project.get("scripts", {})
         metadata["dependencies"] = sorted(wanted)
         metadata["scripts"] = scripts

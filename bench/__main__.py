@@ -8,6 +8,7 @@ from nocturne_client.errors import NocturneClientError
 
 from bench import (
     accumulation,
+    annual_coverage,
     choices,
     crowds,
     dispersion,
@@ -46,6 +47,7 @@ from bench.report import Bench, Figures, Skipped, keep
 
 BENCHES: dict[str, Bench] = {
     "traversal": traversal,
+    "annual_coverage": annual_coverage,
     "service": service,
     "first_tile": first_tile,
     "sharing": sharing,

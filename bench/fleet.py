@@ -1,6 +1,6 @@
 """`python -m bench.fleet REDIS WORKERS JOB_S LEASE_S KILLED_S KEY`: workers that do all but trace.
 
-Each follows docs/explanation/queue.md with its own consumer, a status every two seconds and its own renewed
+Each follows coordinator/README.md with its own consumer, a status every two seconds and its own renewed
 claims. It waits for the time of a job; the sums are the same for all jobs of as many samples. Prints one line
 of JSON at SIGTERM. With KEY, hexadecimal or empty, all belong to machine MACHINE, and sign their results.
 """

@@ -93,7 +93,7 @@ def _end(found: Found) -> str:
     if found["pilot"]["heavy_tails"]:
         return "rare photons carry the noise: nothing is chosen | ?"
     chosen = "; ".join(found["chosen"]["without"]) or "nothing less"
-    blurred = " (the pilot was too short for 1 %)" if found["pilot"]["wanted_cpu_seconds"] else ""
+    blurred = " (the pilot was too short for 1 %)" if found["pilot"]["recommended_cpu_seconds"] else ""
     return f"{chosen}{blurred} | {found['saving']:.1f} times"
 
 

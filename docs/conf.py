@@ -18,8 +18,16 @@ include_patterns = [
     "docs/**",
     "examples/*/README.md",
     "bench/README.md",
+    "bench/suite/README.md",
+    "coordinator/README.md",
+    "tests/corpus/README.md",
+    "tests/faults/README.md",
+    "tests/mitsuba/README.md",
+    "tests/stability/README.md",
+    "worker/README.md",
     "services/web/README.md",
     "CHANGELOG.md",
+    "CONTRIBUTING.md",
     "SECURITY.md",
 ]
 exclude_patterns = [".*", "build", "data", "**/node_modules"]

@@ -12,9 +12,8 @@ _PAGE = """# The chosen methods, and their gains
 Users need not know the best method for a scene. When the scene is compiled, a pilot of a few hundred
 thousand photons tries photons from the sensor, from the luminaires and from both, and sharing between
 neighbours ([decision 0062](../decisions/0062-ways-are-chosen-by-a-pilot.md)). It also learns targets for
-photons from luminaires ([decision 0081](../decisions/0081-learned-aims.md)) and directions for photons from
-the sensor ([decision 0104](../decisions/0104-learned-light.md)). Page, EXR (`nocturne:way`) and
-`nocturne get` show its choice. A scene may choose otherwise in its `tracing`.
+photons from luminaires and directions for photons from the sensor ([method](method.md)). Page, EXR
+(`nocturne:way`) and `nocturne get` show its choice. A scene may choose otherwise in its `tracing`.
 
 The table has ratios of relMSE at equal time on the scenes of [speed.md](speed.md), at the longest of the
 times there. Below 1 the default is better.

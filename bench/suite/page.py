@@ -1,4 +1,4 @@
-"""docs/explanation/speed.md, accuracy.md and chosen.md, written from kept figures, and the charts."""
+"""speed.md, accuracy.md and chosen.md, the suite's README, and charts, written from kept figures."""
 
 import json
 
@@ -20,10 +20,25 @@ _SPEED = """# Speed: error against time
 
 <!-- Made by `make bench`; edit bench/suite/page.py, not this page. -->
 
-For each scene, a table shows how many seconds of one processor each method needs for an image that is right
-to 1 % (relMSE of Y {target:g}), and the ratio of that time to the best. Errors are against stored references
-([accuracy.md](accuracy.md)), measured in one run, in turns. Times are CPU times of the process, without
-loading and compiling.
+How long does an image take that is right to 1 % (relMSE of Y {target:g}), and how long with Mitsuba 3? Errors
+are against [stored references](accuracy.md). Times are CPU times of one processor, without loading and
+compiling, measured in one run, in turns. relMSE = mean of (I - R)^2 / (R^2 + 0.01 mean(R)^2).
+
+Films have only some 24 by 16 pixels, so that references are small: this compares methods, not pictures of
+a million pixels. Mitsuba's llvm variants have a fixed cost for each image, which matters less on larger
+films.
+
+Every method with its error, exponent and bias: [the suite](../../bench/suite/README.md). What the default
+chooses: [chosen methods](chosen.md). `make bench` measures it again.
+
+"""
+
+_DETAILS = """# The suite: error against time, method by method
+
+<!-- Made by `make bench`; edit bench/suite/page.py, not this page. -->
+
+Seconds of one processor that each method needs for relMSE {target:g} of Y, and their ratio to the best
+([summary](../../docs/explanation/speed.md)).
 
 - *Exponent*: the error falls with this power of time. Independent samples give -1, and Sobol points are
   steeper on smooth scenes. Above {falling:g} a method does not converge within these times, and no time to
@@ -34,24 +49,21 @@ loading and compiling.
 - *z*: deviation of the image's mean in standard errors, at the longest time. A method that finds no light
   has a relMSE below 1 and a large z.
 
-The methods are those of [stability.md](stability.md); relMSE = mean of (I - R)^2 / (R^2 + 0.01 mean(R)^2).
-Films have only some 24 by 16 pixels, so that references are small. Mitsuba's llvm variants have a fixed cost
-for each image, which matters less on larger films.
+The methods are those of the [torture cases](../../docs/explanation/stability.md).
 
     make bench                            # all benches, and this; the suite alone: a quarter of an hour
     make bench BENCH=full                 # longer times, three rounds: hours
     python -m bench.suite cornell smoke   # some scenes; the others' figures stay
     python -m bench.suite --pages         # these pages and charts from kept figures
-
 """
 
 _ACCURACY = """# Accuracy: references and errors
 
 <!-- Made by `make bench`; edit bench/suite/page.py, not this page. -->
 
-The meaning of a pixel and all simplifications are in [units-and-errors.md](units-and-errors.md). Scenes that
-break methods are in [stability.md](stability.md). Commands: `make bench`, `make stability`; references:
-`python -m bench.suite --references`.
+How far to trust a pixel: [units and errors](units-and-errors.md). All simplifications:
+[limits](../limits.md). Scenes that break methods: [stability](stability.md). Commands: `make bench`, `make
+stability`; references: `python -m bench.suite --references`.
 
 ## References
 
@@ -77,6 +89,7 @@ def write_pages(figures: Figures) -> None:
     """All pages, and a chart for each scene."""
     docs = CHECKOUT / "docs" / "explanation"
     (docs / "speed.md").write_text(speed(figures))
+    (CHECKOUT / "bench" / "suite" / "README.md").write_text(details(figures))
     (docs / "accuracy.md").write_text(accuracy(references()))
     (docs / "chosen.md").write_text(chosen(figures, kept()))
     for name, found in figures.items():
@@ -105,10 +118,42 @@ def summary_of(figures: Figures) -> list[dict[str, object]]:
 
 
 def speed(figures: Figures) -> str:
-    """Aims, and a table of times for each scene."""
-    lines = [_SPEED.format(target=TARGET, falling=NOT_FALLING), *_aims(figures)]
+    """Times of the default, of the best method and of Mitsuba, and the aims."""
+    lines = [
+        _SPEED.format(target=TARGET),
+        "## CPU seconds to 1 %",
+        "",
+        "| scene | default | best of Nocturne's methods | best of Mitsuba's variants |",
+        "| --- | --- | --- | --- |",
+    ]
     for name, found in figures.items():
-        lines += [f"\n## {name.capitalize()}\n", f"![{name}](../../bench/results/{_file(name)})\n"]
+        shortest = min(found["budgets_cpu_s"])
+        ways = found["ways"]
+        ours = [way for way in ways if not way.startswith(MITSUBA)]
+        theirs = [way for way in ways if way.startswith(MITSUBA)]
+        default = _fastest(ways, ["auto" if "auto" in ways else "two photons"], shortest)
+        found_by = f"{_fastest(ways, ours, shortest)} | {_fastest(ways, theirs, shortest)}"
+        lines.append(f"| {name} | {default} | {found_by} |")
+    return "\n".join([*lines, "", *_aims(figures)]) + "\n"
+
+
+def _fastest(ways: Figures, names: list[str], shortest: float) -> str:
+    """The least time of some methods, and which has it."""
+    times = {
+        each: ways[each]["seconds_to_1_percent"] for each in names if "seconds_to_1_percent" in ways[each]
+    }
+    if not times:
+        return "does not converge" if names else "can't render it"
+    best_one = min(times, key=lambda each: times[each])
+    told = f"less than {shortest:g}" if times[best_one] <= shortest else f"{times[best_one]:.3g}"
+    return told if len(names) == 1 else f"{told} ({best_one.removeprefix('Mitsuba ')})"
+
+
+def details(figures: Figures) -> str:
+    """A table of times for each scene."""
+    lines = [_DETAILS.format(target=TARGET, falling=NOT_FALLING).rstrip()]
+    for name, found in figures.items():
+        lines += [f"\n## {name.capitalize()}\n", f"![{name}](../results/{_file(name)})\n"]
         lines += [
             "| method | CPU s to 1 % | over the best | exponent | relMSE | without the worst | z |",
             "| --- | --- | --- | --- | --- | --- | --- |",

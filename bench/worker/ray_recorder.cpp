@@ -10,8 +10,8 @@ namespace {
 
 using nocturne::Geometry;
 using nocturne::Hit;
+using nocturne::RayCoherence;
 using nocturne::TimedRay;
-using nocturne::Ways;
 using nocturne::bench::RecordedRays;
 
 RecordedRays* recording = nullptr;
@@ -31,9 +31,9 @@ void own_intersect(const Geometry*, std::span<const TimedRay>,
 void intersect(const Geometry*, std::span<const TimedRay>,
                std::span<std::optional<Hit>>) asm("__wrap_" INTERSECT_SYMBOL);
 void own_occluded(const Geometry*, std::span<const TimedRay>, std::span<std::uint8_t>,
-                  Ways) asm("__real_" OCCLUDED_SYMBOL);
+                  RayCoherence) asm("__real_" OCCLUDED_SYMBOL);
 void occluded(const Geometry*, std::span<const TimedRay>, std::span<std::uint8_t>,
-              Ways) asm("__wrap_" OCCLUDED_SYMBOL);
+              RayCoherence) asm("__wrap_" OCCLUDED_SYMBOL);
 
 void intersect(const Geometry* geometry, std::span<const TimedRay> rays,
                std::span<std::optional<Hit>> hits) {
@@ -43,10 +43,10 @@ void intersect(const Geometry* geometry, std::span<const TimedRay> rays,
 }
 
 void occluded(const Geometry* geometry, std::span<const TimedRay> rays,
-              std::span<std::uint8_t> blocked, Ways ways) {
+              std::span<std::uint8_t> blocked, RayCoherence coherence) {
   if (recording != nullptr) [[unlikely]]
     record(rays, recording->any);
-  own_occluded(geometry, rays, blocked, ways);
+  own_occluded(geometry, rays, blocked, coherence);
 }
 
 namespace nocturne::bench {

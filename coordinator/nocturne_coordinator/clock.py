@@ -25,6 +25,6 @@ class Clock:
     def stopping(self) -> bool:
         return self._stop.is_set()
 
-    def draw(self) -> float:
+    def random(self) -> float:
         """At random in [0, 1), not to be foreseen."""
         return self._chance.random()

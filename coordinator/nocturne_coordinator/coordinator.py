@@ -15,7 +15,7 @@ from nocturne_coordinator.dispatch.core import Core
 from nocturne_coordinator.dispatch.events import Event, RenderLost, RendersSeen, ResultCame, Stopping, Tick
 from nocturne_coordinator.dispatch.records import WorkerRow
 from nocturne_coordinator.dispatch.state import Settings
-from nocturne_coordinator.errors import FolderTrouble, LeaseLost, QueueError
+from nocturne_coordinator.errors import LeaseLost, QueueError, StoreUnavailable
 from nocturne_coordinator.event_log import EventLog
 from nocturne_coordinator.executor import Executor
 from nocturne_coordinator.output.previews import Previews
@@ -123,7 +123,7 @@ class Coordinator:
             while True:
                 try:
                     answer = self._executor.carry_out(instruction)
-                except (LeaseLost, FolderTrouble, QueueError) as trouble:
+                except (LeaseLost, StoreUnavailable, QueueError) as trouble:
                     instruction = steps.throw(trouble)
                 else:
                     instruction = steps.send(answer)
@@ -135,7 +135,7 @@ class Coordinator:
         merged = self.core.results.merged
         # Here, not when it is read: a batch is many times what a processor's cache holds.
         refusal = self._guard.refusal(result.data, result.machine, result.signature) if self._guard else ""
-        self.tell(ResultCame(self._clock.moment(), result.entry, result.data, self._clock.draw(), refusal))
+        self.tell(ResultCame(self._clock.moment(), result.entry, result.data, self._clock.random(), refusal))
         if self.core.results.merged > merged:
             crash_point("merged")
 

@@ -1,4 +1,4 @@
-"""Every exception that leaves this package; `RefusedResult` and `replay.Differs` are caught inside it.
+"""Every exception that leaves this package; `RejectedResult` and `replay.ReplayMismatch` are caught inside.
 
 `InvalidState` of `dispatch.validation` is raised in tests only.
 
@@ -19,7 +19,7 @@ NocturneError
 +-- UnusableFolder  the folder was written by another version, or is damaged
 +-- RestoreFailed     there is nothing whole to restore from
 +-- UnusableQueue   Redis is set up so that it loses messages
-+-- FolderTrouble   the data folder could not be read or written just now; it is tried again
++-- StoreUnavailable   the data folder could not be read or written just now; it is tried again
 +-- QueueError      Redis could not be reached, or refused; it is tried again
 +-- ObjectStoreUnavailable  the object store can't be reached, or refuses
     +-- ObjectDamaged       its data differ from those that were stored
@@ -110,7 +110,7 @@ class UnusableQueue(NocturneError):
     """Redis is set up so that it loses messages."""
 
 
-class FolderTrouble(NocturneError):
+class StoreUnavailable(NocturneError):
     """The data folder could not be read or written just now; the operation is tried again."""
 
 

@@ -36,7 +36,7 @@ from nocturne_coordinator.dispatch import (
 )
 from nocturne_coordinator.dispatch.instructions import Instruction, ReadTiles, Steps
 from nocturne_coordinator.dispatch.scheduler import JobKey
-from nocturne_coordinator.errors import FolderTrouble, LeaseLost, QueueError
+from nocturne_coordinator.errors import LeaseLost, QueueError, StoreUnavailable
 
 _log = logging.getLogger(__name__)
 
@@ -49,7 +49,7 @@ _CLASSES = {
     for each in vars(module).values()
     if isinstance(each, type) and dataclasses.is_dataclass(each)
 }
-TROUBLES = {each.__name__: each for each in (FolderTrouble, LeaseLost, QueueError)}
+TROUBLES = {each.__name__: each for each in (StoreUnavailable, LeaseLost, QueueError)}
 
 
 class EventLog:

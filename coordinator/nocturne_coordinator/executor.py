@@ -13,7 +13,7 @@ from nocturne_coordinator.dispatch import instructions as do
 from nocturne_coordinator.dispatch.events import CommitDone
 from nocturne_coordinator.dispatch.records import TileRow
 from nocturne_coordinator.dispatch.running_render import RunningRender
-from nocturne_coordinator.errors import FolderTrouble
+from nocturne_coordinator.errors import StoreUnavailable
 from nocturne_coordinator.output.previews import Previews
 from nocturne_coordinator.queue.dispatcher import Dispatcher
 from nocturne_coordinator.store.ledger import Ledger
@@ -42,11 +42,11 @@ class Executor:
         """The core waits for another look at the folder."""
 
     def carry_out(self, instruction: do.Instruction) -> Any:
-        """Gives the answer. LeaseLost, FolderTrouble and QueueError are answers, too."""
+        """Gives the answer. LeaseLost, StoreUnavailable and QueueError are answers, too."""
         match instruction:
             case do.Log():
                 _log.log(instruction.level, "%s", instruction.message)
-            case do.LookAgain():
+            case do.RefreshRenders():
                 self.wants_look = True
             case do.Publish():
                 return self._dispatcher.publish(instruction.jobs)
@@ -54,9 +54,9 @@ class Executor:
                 self._dispatcher.withdraw(instruction.entries, instruction.stop)
             case do.Acknowledge():
                 self._dispatcher.acknowledge(instruction.entries)
-            case do.TakeUpStreams():
+            case do.RereadResults():
                 self._dispatcher.take_up(instruction.render_id)
-            case do.TellWorkers():
+            case do.PublishExclusions():
                 self._dispatcher.tell_workers(instruction.reasons)
             case do.IsOpen():
                 return self._is_open(instruction.render_id)
@@ -66,7 +66,7 @@ class Executor:
                 try:
                     return self._write(instruction)
                 except (sqlite3.Error, OSError) as trouble:
-                    raise FolderTrouble(str(trouble)) from trouble
+                    raise StoreUnavailable(str(trouble)) from trouble
         return None
 
     def _write(self, instruction: do.Instruction) -> Any:
@@ -85,14 +85,14 @@ class Executor:
             case do.EndRender():
                 unix = self._clock.moment().unix
                 return ledger.commits.end(instruction.render, instruction.state, instruction.reason, unix)
-            case do.StartAnew():
+            case do.RestartRender():
                 ledger.commits.start_anew(instruction.render_id, instruction.fence)
             case do.Recut():
                 return ledger.commits.recut(instruction.render, instruction.schedule)
             case do.Quarantine():
                 unix, worker = self._clock.moment().unix, instruction.worker
-                return ledger.workers.quarantine(worker, instruction.reason, unix, instruction.lied)
-            case do.LetGo():
+                return ledger.workers.quarantine(worker, instruction.reason, unix, instruction.mismatched)
+            case do.ReleaseLease():
                 ledger.leases.let_go(instruction.render_id, instruction.fence)
             case do.RecordError():
                 point, in_history = instruction.point, instruction.in_history
@@ -117,7 +117,7 @@ class Executor:
         try:
             yield from self._ledger.renders.tiles(render_id)
         except (sqlite3.Error, OSError) as trouble:
-            raise FolderTrouble(str(trouble)) from trouble
+            raise StoreUnavailable(str(trouble)) from trouble
 
     def _commit(self, instruction: do.Commit) -> CommitDone:
         lost = []

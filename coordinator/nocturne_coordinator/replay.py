@@ -19,15 +19,15 @@ from nocturne_coordinator.event_log import TROUBLES, decoded, summary_of
 Line = tuple[str, Any]
 
 
-class Differs(Exception):
+class ReplayMismatch(Exception):
     """Other instructions follow than then, or there is something else wrong with the log."""
 
 
 def replay(lines: Iterator[Line], say: bool = False) -> tuple[int, int]:
-    """Gives the numbers of events and of instructions; `say` prints what the core logged. Differs."""
+    """Gives the numbers of events and of instructions; `say` prints what the core logged. ReplayMismatch."""
     first = next(lines, None)
     if first is None or first[0] != "head":
-        raise Differs("the first line is not that of an event log")
+        raise ReplayMismatch("the first line is not that of an event log")
     head = first[1]
     core = Core(head["settings"])
     core.state.fleet.quarantined = head["quarantined"]
@@ -38,7 +38,7 @@ def replay(lines: Iterator[Line], say: bool = False) -> tuple[int, int]:
         if kind == "full":
             break
         if kind != "event":
-            raise Differs(f"after event {events}: an event was expected, there is {kind} {event}")
+            raise ReplayMismatch(f"after event {events}: an event was expected, there is {kind} {event}")
         events += 1
         instructions += _one(core, event, events, ahead, say)
         core.validate_state()
@@ -56,7 +56,7 @@ def _one(core: Core, event: Any, number: int, ahead: "_Lines", say: bool) -> int
             found = summary_of(instruction)
             kind, then = ahead.next() or ("", None)
             if kind != "did" or then != found:
-                raise Differs(f"event {number}, {type(event).__name__}: now {found[0]}, then {then}")
+                raise ReplayMismatch(f"event {number}, {type(event).__name__}: now {found[0]}, then {then}")
             count += 1
             if ahead.is_over():
                 return count
@@ -109,7 +109,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("file", type=Path, help="written by nocturne-coordinator --event-log FILE")
     try:
         events, instructions = replay(read_lines(parser.parse_args(arguments).file), say=True)
-    except Differs as difference:
+    except ReplayMismatch as difference:
         print(difference, file=sys.stderr)  # noqa: T201
         return 1
     print(f"{events} events, {instructions} instructions: the same as then")  # noqa: T201

@@ -1,5 +1,5 @@
 """Signals, acted on by a thread. A handler of Python runs between two steps of the main thread, which may
-hold the very lock that the handler needs: in the midst of Event.wait its Event.set waits for ever."""
+hold the very lock that the handler needs: in the midst of Event.wait its Event.set never returns."""
 
 import os
 import signal

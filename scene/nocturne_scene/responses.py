@@ -17,7 +17,7 @@ LIGHT_GROUP_PATTERN = "^([A-Za-z][A-Za-z0-9_-]{0,30})?$"
 """Of a light group's name; none: of no group."""
 
 REST = "rest"
-"""What lights without a group bring, beside groups."""
+"""The light of lights without a group, next to groups."""
 
 STOKES = ("S1", "S2", "S3")
 """Layers of the Stokes vector's other elements, of X, Y, Z and of each further response; S0 is the light."""
@@ -38,7 +38,7 @@ TAKEN_LAYERS = frozenset(
         "difference",
     }
 )
-"""What can't be a light group's name: the part of a channel's name before its point means something else."""
+"""Not names of light groups: the part of a channel's name before its point means something else."""
 
 _OF_GROUPS = re.compile(r"([A-Za-z][A-Za-z0-9_-]{0,30})\.[XYZ]")
 
@@ -54,7 +54,7 @@ def group_channels(group: str) -> tuple[str, str, str]:
 
 
 def stokes_channel(layer: str, name: str) -> str:
-    """The channel of S1, S2 or S3 beside one of S0: as spectral EXR files have it, where that is a band."""
+    """The channel of S1, S2 or S3 next to one of S0: as spectral EXR files have it, where that is a band."""
     return f"{layer}.{name.removeprefix('S0.')}"
 
 

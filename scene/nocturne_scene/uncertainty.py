@@ -183,7 +183,7 @@ class RegionReading:
     """Standard errors to each side of a 95 % interval of Y: Student's t, as an error from few samples is
     itself uncertain. NaN where the error is unknown."""
     pixels: int
-    unseen_pixels: int
+    zero_pixels: int
     """In which no sample found light."""
     samples: int
     """Of all pixels together."""

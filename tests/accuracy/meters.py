@@ -164,7 +164,7 @@ def independent_image(
     prepare: Callable[[Measurement], None] | None = None,
     **tracing: Any,
 ) -> Image:
-    """Of 16 x 16 pixels, by independent numbers; `folder` is made, `prepare` changes what was compiled."""
+    """Of 16 x 16 pixels, by independent numbers; `folder` is made, `prepare` changes the compiled scene."""
     folder.mkdir()
     traced = {**document, "tracing": {"sequence": "independent", **tracing}}
     measurement = Measurement(traced, folder, 16, 16)

@@ -1,4 +1,4 @@
-"""Daylight coefficients beside quadrature, direct renders of the same light, and single hours of a year."""
+"""Daylight coefficients against quadrature, direct renders of the same light, and single hours of a year."""
 
 import json
 from datetime import UTC, datetime, timedelta
@@ -123,5 +123,5 @@ def test_hours_of_a_year_by_brute_force(tmp_path: Path) -> None:
         mean, error = means(lit[:, :, int(np.flatnonzero(skies.hours == hour)[0])])
         direct, its_error = image.xyz[0, :, 1], image.y_stderr[0]
         allowed = student_bound(6, BATCHES - 1) * np.hypot(error, its_error)
-        # Patches stand for what is within them: up to 2 % beside chance.
+        # Patches stand for the sky within them: up to 2 % in addition to chance.
         assert (np.abs(mean - direct) <= allowed + 0.02 * direct).all(), (hour, mean, error, direct)

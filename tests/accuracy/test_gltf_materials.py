@@ -177,7 +177,7 @@ def test_a_plate_reflects_as_specified(metallic: int, light: str, tmp_path: Path
     )
     error = float(np.sqrt(np.mean(image.y_error**2))) / EDGE
     told = f"{image.y.mean():.5g} +- {error:.2g}, kernels {ours:.5g}, specification {theirs:.5g}"
-    print(told)  # noqa: T201 - figures for docs/reference/compatibility.md
+    print(told)  # noqa: T201 - figures for tests/mitsuba/README.md
     assert image.y.mean() == pytest.approx(ours, abs=4 * error + 2e-3 * ours), told
     assert error < 0.01 * ours
     if metallic:

@@ -136,6 +136,25 @@ def test_groups_are_the_whole_image_and_change_none_of_its_bits(
     np.testing.assert_allclose(parts.sum(axis=0), image.xyz, rtol=2e-6, atol=1e-5)
 
 
+@pytest.mark.parametrize("together", [1, 4])
+@pytest.mark.parametrize("sensor", [_CAMERA, _METER])
+def test_groups_behind_a_polariser_are_the_whole_image(
+    tmp_path: Path, sensor: Document, together: int
+) -> None:
+    """Photons that know how light is polarised count light groups as others do, unless they are asked for a
+    Stokes vector: a crossing of a retarder, a light group and a meter wrote beyond its sums."""
+    document = _in_fog(_room(sensor, direction="adjoint", photons_together=together))
+    pane = _quad([0.2, 1.2, 0.4], [0.8, 0, 0], [0, 0, 0.8])
+    document["surfaces"].append(pane | {"kernel": {"type": "polariser", "axis": [1, 0, 0.3]}})
+    (tmp_path / "without").mkdir()
+    alone = trace(_without_groups(document), tmp_path / "without", 16, 64)
+    image = trace(document, tmp_path, 16, 64)
+    np.testing.assert_array_equal(image.xyz, alone.xyz)
+    parts = np.array([_channels(tmp_path / "image.exr", group) for group in _GROUPS])
+    assert np.all(parts.max(axis=(1, 2, 3)) > 0.0)
+    np.testing.assert_allclose(parts.sum(axis=0), image.xyz, rtol=2e-6, atol=1e-5)
+
+
 @pytest.mark.parametrize("sensor", [_CAMERA, _METER])
 def test_groups_are_the_whole_image_as_a_pilot_has_it_traced(tmp_path: Path, sensor: Document) -> None:
     """With whatever it learns of the light, and pixels that share. A pilot is asked from 2^18 samples on."""

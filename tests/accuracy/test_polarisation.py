@@ -277,7 +277,7 @@ def test_the_atmosphere_of_molecules(
 
 
 def test_diffuse_walls_depolarise(tmp_path: Path) -> None:
-    """And nothing else changes: S0 of a room is what it is without asking."""
+    """And nothing else changes: S0 of a room is the same without asking."""
     wall = {"type": "lambertian", "reflectance": 0.5}
     floor = {"shape": quad([-1, -1, 0], [2, 0, 0], [0, 2, 0]), "kernel": wall}
     document = _scene(along(30, 2.0) | GREY | {"stokes": True}, [floor], environment={"radiance": 1.0})
@@ -285,7 +285,7 @@ def test_diffuse_walls_depolarise(tmp_path: Path) -> None:
 
 
 def test_a_part_of_an_image_tells_degree_and_angle(tmp_path: Path) -> None:
-    """A lamp by way of glass, as the command line reads it from the file."""
+    """A lamp via glass, as the command line reads it from the file."""
     across, within = (abs(each) ** 2 for each in _fresnel(cos(radians(40)), 1.5))
     expected = (across - within) / (across + within)
     Measurement(_on_floor(40, _GLASS, below=_PIT), tmp_path, 8, 8).image(64)

@@ -1,4 +1,4 @@
-"""A room with a window: by the sky, the Sun, a lamp; a pane, a curtain or haze before what is lit."""
+"""A room with a window: by the sky, the Sun, a lamp; a pane, a curtain or haze before the lit surface."""
 
 from typing import Any
 

@@ -48,7 +48,7 @@ class VirtualClock(Clock):
     def stopping(self) -> bool:
         return self.told_to_stop
 
-    def draw(self) -> float:
+    def random(self) -> float:
         return self._draws.random()
 
 

@@ -93,7 +93,7 @@ def rounds_otherwise(result: job_pb2.JobResult) -> list[job_pb2.JobResult | byte
 
 
 class SimulatedWorker(threading.Thread):
-    """Follows the protocol of docs/explanation/queue.md in a thread; reconnects without limit, as workers
+    """Follows the protocol of coordinator/README.md in a thread; reconnects without limit, as workers
     do."""
 
     def __init__(

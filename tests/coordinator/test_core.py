@@ -28,7 +28,7 @@ from nocturne_coordinator.dispatch.scheduler import JobKey
 from nocturne_coordinator.dispatch.state import Settings
 from nocturne_coordinator.dispatch.stopping import StopConditions
 from nocturne_coordinator.dispatch.validation import InvalidState
-from nocturne_coordinator.errors import FolderTrouble, LeaseLost, QueueError
+from nocturne_coordinator.errors import LeaseLost, QueueError, StoreUnavailable
 from nocturne_scene.ranges import make_schedule
 
 from tests.coordinator.simulated_worker import simulated_result
@@ -104,7 +104,7 @@ def kinds(followed: list[do.Instruction]) -> list[str]:
 
 def test_a_render_from_its_first_job_to_its_end() -> None:
     shell = Shell((row("r", 4),))
-    assert kinds(shell.take_up()) == ["TakeRender", "StartRender", "ReadTiles", "TellWorkers"]
+    assert kinds(shell.take_up()) == ["TakeRender", "StartRender", "ReadTiles", "PublishExclusions"]
     (published,) = shell.tell(StreamIsReady(at(0.1)))
     assert isinstance(published, do.Publish)
     assert published.keys == (("r", 0, 0), ("r", 1, 0))
@@ -114,10 +114,10 @@ def test_a_render_from_its_first_job_to_its_end() -> None:
     followed = shell.tell(Tick(at(0.7)))
     # Committed, deleted, shown, and only then ended.
     wanted = ["Commit", "Acknowledge", "WriteImage", "WritePreview", "WriteThumbnail", "RecordError"]
-    assert [each for each in kinds(followed) if each in (*wanted, "EndRender", "LetGo")] == [
+    assert [each for each in kinds(followed) if each in (*wanted, "EndRender", "ReleaseLease")] == [
         *wanted,
         "EndRender",
-        "LetGo",
+        "ReleaseLease",
     ]
     assert shell.core.state.renders == {}
 
@@ -163,7 +163,7 @@ def test_what_is_not_committed_is_not_acknowledged() -> None:
     shell.take_up()
     shell.tell(StreamIsReady(at(0.1)))
     shell.result("r", 0.2)
-    shell.answers[do.Commit] = lambda _: FolderTrouble("disk full")
+    shell.answers[do.Commit] = lambda _: StoreUnavailable("disk full")
     assert kinds(shell.tell(Tick(at(0.5)))) == ["Commit"]
     # No new jobs until one works.
     shell.result("r", 0.6, index=1)
@@ -180,15 +180,15 @@ def test_a_render_that_a_commit_finds_lost_is_left_to_its_new_owner() -> None:
     shell.answers[do.Commit] = lambda _: CommitDone(shell.now, ("r",))
     shell.answers[do.IsOpen] = lambda _: True
     # Neither its jobs nor its results are touched.
-    assert kinds(shell.tell(Tick(at(0.5)))) == ["Commit", "IsOpen", "LookAgain", "LetGo"]
+    assert kinds(shell.tell(Tick(at(0.5)))) == ["Commit", "IsOpen", "RefreshRenders", "ReleaseLease"]
     assert shell.core.state.renders == {}
 
 
-@pytest.mark.parametrize("trouble", [LeaseLost("r"), FolderTrouble("gone")])
+@pytest.mark.parametrize("trouble", [LeaseLost("r"), StoreUnavailable("gone")])
 def test_a_render_that_can_not_be_started_is_looked_at_again(trouble: Exception) -> None:
     shell = Shell((row("r"),))
     shell.answers[do.StartRender] = lambda _: trouble
-    assert kinds(shell.take_up())[-1] == "LookAgain"
+    assert kinds(shell.take_up())[-1] == "RefreshRenders"
     assert shell.core.state.renders == {}
 
 
@@ -199,7 +199,7 @@ def test_an_extended_render_goes_on_where_it_stands() -> None:
     shell.tell(StreamIsReady(at(0.1)))
     assert shell.result("r", 0.2, index=1) == []
     longer = replace(row("r", 64), state=RenderState.RUNNING)
-    assert kinds(shell.tell(RendersSeen(at(0.3), (longer,), {}, 1))) == ["TellWorkers"]
+    assert kinds(shell.tell(RendersSeen(at(0.3), (longer,), {}, 1))) == ["PublishExclusions"]
     render = shell.core.state.renders["r"]
     assert list(render.planned.schedule.range_ends) == [4, 8, 16, 32, 64]
     shell.result("r", 0.4)

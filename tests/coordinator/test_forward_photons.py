@@ -11,7 +11,7 @@ from nocturne.v1 import job_pb2
 from nocturne_coordinator.dispatch.audit import Auditor
 from nocturne_coordinator.dispatch.forward_photons import photon_commit_seconds
 from nocturne_coordinator.dispatch.merge import MergeResult, RangeSums
-from nocturne_coordinator.dispatch.planned_render import PlannedRender, RefusedResult
+from nocturne_coordinator.dispatch.planned_render import PlannedRender, RejectedResult
 from nocturne_coordinator.dispatch.range_queue import RangeQueue
 from nocturne_coordinator.dispatch.records import OpenRender, RenderCommit, RenderState, TileRow, Totals
 from nocturne_coordinator.dispatch.result_handler import ResultHandler
@@ -316,7 +316,7 @@ def test_other_results_are_refused(schedule: job_pb2.RangeSchedule, spoil: objec
     partial = job_pb2.Partial(sums=_photon_bytes(1), photons=PHOTON_BUNDLE, rays=PHOTON_BUNDLE)
     planned.check_partial(partial, planned.job(PHOTONS, found))
     spoil(partial)
-    with pytest.raises(RefusedResult):
+    with pytest.raises(RejectedResult):
         planned.check_partial(partial, planned.job(PHOTONS, found))
 
 
@@ -392,5 +392,5 @@ def test_a_tile_of_a_liar_takes_all_forward_photons_with_it(
     rows = [TileRow(0, 4, b"x", own=b"x", photons=b"x"), TileRow(1, 4, b"x", own=b"x", photons=b"x")]
     workers = {0: ["liar"], 1: ["honest"], PHOTONS: ["honest"]}
     _commit(ledger, render, [*rows, TileRow(PHOTONS, 1, b"")], workers)
-    ledger.workers.quarantine("liar", "It lied.", 1.0, lied=True)
+    ledger.workers.quarantine("liar", "It lied.", 1.0, mismatched=True)
     assert folder.tiles.manifest(render[0]) == (0, 4, 0, 0, 0)

@@ -272,12 +272,12 @@ def test_spread_of_even_noise_and_of_one_firefly() -> None:
     sums[..., 3] = 4.0 + 12.0 * 0.01
     even = estimate_error(sums, counts)
     assert even.relative_error == pytest.approx(np.sqrt(0.01 / 1.01), rel=1e-9)
-    assert even.effective_sample_size_of_pixels == pytest.approx(2000.0)
-    assert even.worst_share == pytest.approx(0.01)
+    assert even.effective_pixels == pytest.approx(2000.0)
+    assert even.top_percent_share == pytest.approx(0.01)
     sums[7, 9, 3] += 1e6
     spoiled = estimate_error(sums, counts)
-    assert spoiled.effective_sample_size_of_pixels == pytest.approx(1.0, abs=0.01)
-    assert spoiled.worst_share == pytest.approx(1.0, abs=0.01)
+    assert spoiled.effective_pixels == pytest.approx(1.0, abs=0.01)
+    assert spoiled.top_percent_share == pytest.approx(1.0, abs=0.01)
 
 
 @pytest.mark.parametrize("kind", ["heavy", "mostly none", "where they are looked for", "equal"])
@@ -295,20 +295,20 @@ def test_the_worst_pixels_of_a_large_film(kind: str) -> None:
     sums[..., :3] = 4.0
     sums[..., 3] = 4.0 + 12.0 * numbers.reshape(counts.shape)
     worst = np.sort(numbers)[-numbers.size // 100 :].sum() / numbers.sum()
-    assert estimate_error(sums, counts).worst_share == pytest.approx(worst, rel=1e-9)
+    assert estimate_error(sums, counts).top_percent_share == pytest.approx(worst, rel=1e-9)
 
 
 def test_the_error_is_unknown_below_two_samples_and_in_the_dark() -> None:
     counts = np.ones((4, 4), dtype=np.uint32)
     once = estimate_error(np.ones((4, 4, 4)), counts)
-    assert (once.relative_error, once.effective_sample_size_of_pixels, once.mean, once.unseen_pixels) == (
+    assert (once.relative_error, once.effective_pixels, once.mean, once.zero_pixels) == (
         0.0,
         0.0,
         1.0,
         0,
     )
     dark = estimate_error(np.zeros((4, 4, 4)), counts + 7)
-    assert (dark.relative_error, dark.mean, dark.mean_error, dark.unseen_pixels) == (0.0, 0.0, 0.0, 16)
+    assert (dark.relative_error, dark.mean, dark.mean_error, dark.zero_pixels) == (0.0, 0.0, 0.0, 16)
 
 
 def test_the_means_error_is_that_of_independent_pixels() -> None:

@@ -96,7 +96,7 @@ class Session:
         self.stream = {key: entry for key, entry in self.stream.items() if entry not in gone}
         self.failed |= outcome.failed
         self.lines += [line.message for line in outcome.lines]
-        return outcome.settled
+        return outcome.to_acknowledge
 
     def result(self, key: JobKey) -> job_pb2.JobResult:
         planned = self.render.planned

@@ -71,8 +71,8 @@ def test_a_mix_is_what_its_samples_make(tmp_path: Path, factors: dict[str, float
             mixed.mean(axis=0)[..., index], rel=1e-5
         )
         told = read_channel(tmp_path / "mix.exr", f"{axis}.stderr")
-        # Covariances are those of the tile's totals, whose own scatter is 1 / sqrt(20000); one more find adds
-        # less than a thousandth.
+        # Covariances are those of the tile's totals, whose own scatter is 1 / sqrt(20000); one more lit
+        # sample adds less than a thousandth.
         assert told == pytest.approx(error[..., index], rel=0.03)
         assert np.square(told).sum() == pytest.approx(np.square(error[..., index]).sum(), rel=0.03)
     for pair, (one, other) in {"XY": (0, 1), "XZ": (0, 2), "YZ": (1, 2)}.items():

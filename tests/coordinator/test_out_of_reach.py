@@ -20,8 +20,8 @@ def measured(error: float, samples: int = 64, rate: float = 64_000.0, ran: float
         mean_samples=samples,
         estimate=ErrorEstimate(
             relative_error=error,
-            worst_share=0.02,
-            effective_sample_size_of_pixels=0.5 * PIXELS,
+            top_percent_share=0.02,
+            effective_pixels=0.5 * PIXELS,
             samples=samples,
             pixels=PIXELS,
             mean=1.0,
@@ -35,7 +35,7 @@ def measured(error: float, samples: int = 64, rate: float = 64_000.0, ran: float
 
 
 def miss(stop: StopConditions, at: Measured, before: bool = False) -> str:
-    return forecast(at, stop, 1000.0, before).out_of_reach
+    return forecast(at, stop, 1000.0, before).target_unreachable
 
 
 def test_it_says_what_will_be_reached_and_what_it_would_take() -> None:
@@ -87,19 +87,19 @@ def test_webhooks_are_told_once(service: Service) -> None:
     asked = StopConditions(relative_error=1e-6, wall_seconds=40.0)
     render = service.create(samples=4_000_000, stop=asked)
     service.work(SimulatedWorker(service.server.url, delay=0.05))
-    wait_until(lambda: service.row(render.id).out_of_reach != "")
-    assert "0.0001 % was asked for" in service.row(render.id).out_of_reach
-    assert told(folder, render.id) == ["out_of_reach"]
+    wait_until(lambda: service.row(render.id).target_unreachable != "")
+    assert "0.0001 % was asked for" in service.row(render.id).target_unreachable
+    assert told(folder, render.id) == ["target_unreachable"]
     folder.requests.pause(render.id)
-    wait_until(lambda: service.row(render.id).out_of_reach == "")
+    wait_until(lambda: service.row(render.id).target_unreachable == "")
     folder.requests.resume(render.id)
-    wait_until(lambda: service.row(render.id).out_of_reach != "")
+    wait_until(lambda: service.row(render.id).target_unreachable != "")
     # Webhooks know it already; with other conditions it is another promise.
-    assert told(folder, render.id) == ["out_of_reach"]
+    assert told(folder, render.id) == ["target_unreachable"]
     folder.requests.extend(render.id, 4_000_000, StopConditions(relative_error=1e-6, wall_seconds=50.0))
     wait_until(lambda: len(told(folder, render.id)) == 2)
     folder.requests.cancel(render.id)
-    assert service.row(render.id).out_of_reach == ""
+    assert service.row(render.id).target_unreachable == ""
 
 
 def told(folder: DataFolder, render_id: str) -> list[str]:

@@ -7,7 +7,7 @@ from nocturne_coordinator.dispatch.core import Core
 from nocturne_coordinator.dispatch.events import RendersSeen, ResultCame, StreamIsReady, Tick, WorkersSeen
 from nocturne_coordinator.dispatch.records import WorkerRow
 from nocturne_coordinator.dispatch.state import Settings
-from nocturne_coordinator.errors import FolderTrouble
+from nocturne_coordinator.errors import StoreUnavailable
 
 from tests.coordinator.simulated_worker import simulated_result
 from tests.coordinator.test_core import Shell, at, row
@@ -33,14 +33,14 @@ class Audited(Shell):
         return self.tell(ResultCame(at(now), self.entry(), result.SerializeToString(), 0.0))
 
     def convict(self) -> list[do.Instruction]:
-        """Two others say that a result of the liar was wrong."""
+        """Two others say that a result of the faulty worker was wrong."""
         self.first_range("a", 0.3)
         self.tell(StreamIsReady(at(0.4)))
         return self.first_range("b", 0.5)
 
 
 def accused() -> Audited:
-    """The liar's result is merged, and its audit on the stream."""
+    """The faulty worker's result is merged, and its audit on the stream."""
     shell = Audited()
     shell.tell(StreamIsReady(at(0.1)))
     shell.first_range("liar", 0.2, wrong=True)
@@ -49,14 +49,14 @@ def accused() -> Audited:
 
 
 def written(followed: list[do.Instruction]) -> list[tuple[str, bool]]:
-    return [(each.worker, each.lied) for each in followed if isinstance(each, do.Quarantine)]
+    return [(each.worker, each.mismatched) for each in followed if isinstance(each, do.Quarantine)]
 
 
 @pytest.mark.parametrize("fails", [do.Commit, do.Quarantine])
 def test_a_liar_is_in_quarantine_though_the_folder_fails_at_first(fails: type[do.Instruction]) -> None:
     shell = accused()
     works = shell.answers[fails]
-    shell.answers[fails] = lambda _: FolderTrouble("full")
+    shell.answers[fails] = lambda _: StoreUnavailable("full")
     shell.convict()
     shell.tell(Tick(at(0.6)))
     # The folder knows nothing of it, and is looked at.
@@ -68,7 +68,7 @@ def test_a_liar_is_in_quarantine_though_the_folder_fails_at_first(fails: type[do
     followed = shell.tell(Tick(at(4.0)))
     assert written(followed) == [("liar", True)]
     # Its work is not in memory any more either.
-    assert any(isinstance(each, do.LetGo) for each in followed)
+    assert any(isinstance(each, do.ReleaseLease) for each in followed)
     assert shell.core.state.renders == {}
     assert written(shell.tell(Tick(at(6.0)))) == []
 
@@ -84,13 +84,13 @@ def test_who_failed_first_and_is_found_lying_then_is_distrusted() -> None:
 def test_a_render_is_let_go_though_the_folder_fails_at_first() -> None:
     shell = Shell((row("r"),))
     shell.take_up()
-    shell.answers[do.LetGo] = lambda _: FolderTrouble("busy")
+    shell.answers[do.ReleaseLease] = lambda _: StoreUnavailable("busy")
     shell.tell(RendersSeen(at(1.0), (), {}, 1))
     assert shell.core.state.renders == {}
     shell.tell(Tick(at(2.0)))
-    del shell.answers[do.LetGo]
-    assert do.LetGo("r", 1) in shell.tell(Tick(at(4.0)))
-    assert do.LetGo("r", 1) not in shell.tell(Tick(at(6.0)))
+    del shell.answers[do.ReleaseLease]
+    assert do.ReleaseLease("r", 1) in shell.tell(Tick(at(4.0)))
+    assert do.ReleaseLease("r", 1) not in shell.tell(Tick(at(6.0)))
 
 
 def test_no_image_is_called_final_while_a_liar_is_not_noted() -> None:
@@ -101,7 +101,7 @@ def test_no_image_is_called_final_while_a_liar_is_not_noted() -> None:
         shell.result("r", 0.2, tile)
     shell.core.state.owed.append(do.Quarantine("w", "It lied.", True))
     works = shell.answers[do.Quarantine]
-    shell.answers[do.Quarantine] = lambda _: FolderTrouble("full")
+    shell.answers[do.Quarantine] = lambda _: StoreUnavailable("full")
     ended = [shell.tell(Tick(at(now))) for now in (0.5, 1.5, 2.5)]
     assert do.EndRender not in {type(each) for followed in ended for each in followed}
     shell.answers[do.Quarantine] = works

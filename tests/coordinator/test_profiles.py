@@ -115,7 +115,7 @@ def test_an_odd_result_touches_nothing() -> None:
     result = simulated_result(job, "odd")
     result.floating_point_profile = B
     outcome = handler.take(b"2-1", result.SerializeToString(), 0.0, 0.5)
-    assert (outcome.settled, outcome.withdrawn) == ([b"2-1"], [b"1-1"])
+    assert (outcome.to_acknowledge, outcome.withdrawn) == ([b"2-1"], [b"1-1"])
     assert render.film.queues[0].merged == 0
     # Nor as an audit, which would blame a correct worker.
     scheduler.published(key, b"1-2", 0.0)

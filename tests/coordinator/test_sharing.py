@@ -110,7 +110,7 @@ def test_tiles_that_are_thrown_away_are_lost_to_who_has_them(service: Service) -
     pen.ledger.commits.start(render.id, held.fence, 1.0)
     service.folder.database.execute("INSERT INTO contribution VALUES (?, 0, 'faulty')", (render.id,))
     assert pen.ledger.commits.commit([commit_of(held, 4)]) == []
-    assert other.ledger.workers.quarantine("faulty", "It lied.", 1.0, lied=True) == [render.id]
+    assert other.ledger.workers.quarantine("faulty", "It lied.", 1.0, mismatched=True) == [render.id]
     assert pen.ledger.commits.commit([commit_of(held, 8)]) == [render.id]
     assert pen.take(render.id).fence > held.fence
 

@@ -1,4 +1,4 @@
-"""Who is told to stop stops, whatever it does just then."""
+"""A process that gets a signal stops, whatever it does just then."""
 
 import subprocess
 import sys
@@ -24,5 +24,5 @@ assert stop.wait(10)
 
 
 def test_a_signal_in_the_midst_of_waiting_for_it_is_noticed() -> None:
-    """With a handler that sets the event, as `nocturne up` and the coordinator had, this waits for ever."""
+    """With a handler that sets the event, as `nocturne up` and the coordinator had, this never returns."""
     subprocess.run([sys.executable, "-c", _IN_THE_MIDST_OF_WAITING], check=True, timeout=60)

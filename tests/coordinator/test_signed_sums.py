@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from nocturne_coordinator.dispatch.planned_render import RefusedResult, check_sums
+from nocturne_coordinator.dispatch.planned_render import RejectedResult, check_sums
 from nocturne_scene.tile_sums import PRODUCTS, TileSums, factors_of_tile
 
 _SAMPLES, _EDGE = 16, 4
@@ -35,7 +35,7 @@ def test_polarised_light_may_be_negative() -> None:
     assert (sums.pixels[..., 10] < 0.0).all()
     assert (sums.tile_products < 0.0).any()
     check_sums(sums, _SAMPLES, _SIGNED)
-    with pytest.raises(RefusedResult, match="negative"):
+    with pytest.raises(RejectedResult, match="negative"):
         check_sums(sums, _SAMPLES)
 
 
@@ -43,7 +43,7 @@ def test_polarised_light_may_be_negative() -> None:
 def test_responses_and_squares_may_not(place: int) -> None:
     sums = _sums()
     sums.pixels[0, 0, place] *= -1.0
-    with pytest.raises(RefusedResult):
+    with pytest.raises(RejectedResult):
         check_sums(sums, _SAMPLES, _SIGNED)
 
 
@@ -51,5 +51,5 @@ def test_responses_and_squares_may_not(place: int) -> None:
 def test_polarised_light_is_of_this_world(value: float) -> None:
     sums = _sums()
     sums.pixels[0, 0, 10] = value
-    with pytest.raises(RefusedResult):
+    with pytest.raises(RejectedResult):
         check_sums(sums, _SAMPLES, _SIGNED)

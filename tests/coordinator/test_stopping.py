@@ -104,7 +104,7 @@ def test_an_error_falls_as_one_over_the_root() -> None:
     ends = [MIN_SAMPLES << doubled for doubled in range(10)]
 
     def known(error: float) -> ErrorEstimate:
-        return ErrorEstimate(error, 1.0, effective_sample_size_of_pixels=1e4, pixels=10_000, samples=128)
+        return ErrorEstimate(error, 1.0, effective_pixels=1e4, pixels=10_000, samples=128)
 
     assert samples_to_stop(known(0.039), 128, 0.01, ends) == 4096
     assert samples_to_stop(known(0.0), 128, 0.01, ends) == math.inf
@@ -118,7 +118,7 @@ def measured(**changes: Any) -> Measured:
         "photons": 1000,
         "photons_wanted": 5000.0,
         "mean_samples": 64.0,
-        "estimate": ErrorEstimate(0.1, 1.0, effective_sample_size_of_pixels=1e4, pixels=10_000, samples=64),
+        "estimate": ErrorEstimate(0.1, 1.0, effective_pixels=1e4, pixels=10_000, samples=64),
         "range_ends": [32, 64, 128, 256, 320],
         "photons_per_second": 100.0,
         "cpu_seconds": 20.0,

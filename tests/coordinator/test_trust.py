@@ -12,7 +12,7 @@ from nocturne_coordinator.dispatch.trust import (
     MIN_SAMPLES,
     RangeEnd,
     confirmed,
-    doubt_of,
+    error_warning_of,
     min_samples,
 )
 
@@ -20,17 +20,17 @@ GOOD = ErrorEstimate(
     relative_error=0.02,
     mean=10.0,
     mean_error=0.01,
-    worst_share=0.03,
-    effective_sample_size_of_pixels=9000.0,
+    top_percent_share=0.03,
+    effective_pixels=9000.0,
     unevenness=0.2,
     pixels=10_000,
-    unseen_pixels=0,
+    zero_pixels=0,
     samples=64,
 )
 
 
 def test_a_good_estimate_is_trusted() -> None:
-    assert doubt_of(GOOD) == ""
+    assert error_warning_of(GOOD) == ""
     assert RangeEnd.of(GOOD) == RangeEnd(64, 0.02)
 
 
@@ -39,7 +39,7 @@ def test_a_good_estimate_is_trusted() -> None:
     [
         ({"samples": MIN_SAMPLES - 1}, "31 samples per pixel are too few"),
         (
-            {"effective_sample_size_of_pixels": MIN_EFFECTIVE_SAMPLE_SIZE - 1},
+            {"effective_pixels": MIN_EFFECTIVE_SAMPLE_SIZE - 1},
             "About 99 of 10,000 pixels carry the error",
         ),
         ({"unevenness": HEAVY + 0.01}, "Few bright samples carry the light"),
@@ -48,7 +48,7 @@ def test_a_good_estimate_is_trusted() -> None:
 )
 def test_each_reason_for_doubt_alone_keeps_a_render_going(change: dict[str, Any], told: str) -> None:
     doubtful = replace(GOOD, **change)
-    assert told in doubt_of(doubtful)
+    assert told in error_warning_of(doubtful)
     assert RangeEnd.of(doubtful).error == 0.0
 
 
@@ -60,9 +60,9 @@ def test_the_mean_is_bounded_too() -> None:
 def test_small_films_need_as_many_samples_in_all() -> None:
     assert min_samples(10_000) == MIN_SAMPLES
     assert min_samples(1) == MIN_SAMPLES * MIN_EFFECTIVE_SAMPLE_SIZE
-    one = replace(GOOD, pixels=1, effective_sample_size_of_pixels=1.0, unevenness=0.0, samples=3199)
-    assert "3200 are needed" in doubt_of(one)
-    assert doubt_of(replace(one, samples=3200)) == ""
+    one = replace(GOOD, pixels=1, effective_pixels=1.0, unevenness=0.0, samples=3199)
+    assert "3200 are needed" in error_warning_of(one)
+    assert error_warning_of(replace(one, samples=3200)) == ""
 
 
 def test_two_range_ends_in_a_row_must_agree() -> None:
@@ -90,6 +90,6 @@ def test_the_image_of_a_prism_is_not_taken_for_done() -> None:
     y[lit, 3] = y[lit, 1] ** 2
     estimate = estimate_error(sums, np.full((96, 96), 48, dtype=np.uint32))
     assert 0.0 < estimate.relative_error < 0.11
-    assert estimate.unseen_pixels == 9216 - 91
-    assert doubt_of(estimate)
+    assert estimate.zero_pixels == 9216 - 91
+    assert error_warning_of(estimate)
     assert RangeEnd.of(estimate).error == 0.0

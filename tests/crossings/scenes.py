@@ -4,6 +4,7 @@ A room, or a floor under the sky; three places with bodies, which are balls that
 lamps and of the sensor; media around everything. What a place may hold is in tests/crossings/bodies.py.
 """
 
+import json
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -117,7 +118,11 @@ def _whole(
 def _put_range(draft: Draft, document: Document) -> None:
     """Other wavelengths, and what a sensor weighs them by."""
     chance, sensor = draft.chance, document["sensor"]
-    first, last = chance.pick([(280, 400), (300, 830), (200, 2500), (900, 1700)])
+    ranges = [(280, 400), (300, 830), (200, 2500), (900, 1700)]
+    if '"fluorescence"' in json.dumps(document | draft.named):
+        # Nothing is absorbed and emitted within the others, which is refused.
+        ranges = ranges[1:3]
+    first, last = chance.pick(ranges)
     document["wavelengths"] = {"first": first, "last": last}
     fitting = [name for name, each in RESPONSES.items() if each.first < last and each.last > first]
     visible = first <= 360 and last >= 830

@@ -15,7 +15,7 @@ LEFT_OUT = {
     "Instance.name": "text for people",
     "Measured.format=merl": "a file of 35 MB; it becomes the table that is there",
     "Tracing.seed": "each method has eight",
-    # tests/accuracy/test_ray_files.py compares it with each ray's own way.
+    # tests/accuracy/test_ray_files.py compares it with each ray's own path.
     **dict.fromkeys(
         [each for each in all_features() if each.startswith(("RayFile", "SceneDocument.ray_files"))],
         "one direction alone brings its light, so that there are no methods to compare",

@@ -63,8 +63,8 @@ def test_our_programs_understand_what_the_units_say(monkeypatch: pytest.MonkeyPa
 
 
 def test_the_pages_commands_make_certificates(tmp_path: Path) -> None:
-    """That the API can show by the names that it is called by, and nobody else's."""
-    page = (ROOT / "docs" / "how-to" / "deployment.md").read_text()
+    """That the API can show by the names that it is called by, and by no others."""
+    page = (ROOT / "docs" / "how-to" / "machines.md").read_text()
     (commands,) = [
         block for block in re.findall(r"^```sh\n(.*?)^```$", page, re.M | re.S) if "openssl" in block
     ]

@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 import typer
 from nocturne_client.cli.app import app
+from nocturne_client.cli.help_panels import PANELS
 
 ROOT = Path(__file__).parents[2]
 PROGRAM: Any = typer.main.get_command(app)
@@ -108,3 +109,22 @@ def test_options_in_text_are_those_of_their_commands() -> None:
 )
 def test_what_is_no_command_would_be_found_out(text: str) -> None:
     assert problem_of(shlex.split(text)) != ""
+
+
+def test_the_page_has_every_command_with_an_example() -> None:
+    page = (ROOT / "docs" / "reference" / "command-line.md").read_text(encoding="utf-8")
+    shown = set(re.findall(r"`nocturne ([a-z]+)\b[^`]*` \|$", page, re.MULTILINE))
+    named = {
+        name
+        for row in re.findall(r"^\| ((?:`[a-z]+`(?:, )?)+)", page, re.MULTILINE)
+        for name in row.split("`")[1::2]
+    }
+    assert set(PROGRAM.commands) <= named
+    # Of pairs one is shown.
+    assert set(PROGRAM.commands) - shown == {"resume", "join"}
+
+
+def test_the_help_has_every_command_in_a_panel_with_a_short_line() -> None:
+    lines = {name: line for panel in PANELS.values() for name, line in panel.items()}
+    assert set(lines) == set(PROGRAM.commands)
+    assert [line for line in lines.values() if len(line) > 60 or line.endswith(".")] == []

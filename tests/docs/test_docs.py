@@ -103,6 +103,7 @@ def test_every_dependency_of_python_has_its_reason() -> None:
     projects = [_project(file) for file in _PROJECTS]
     required = [
         *(name for project in projects for name in project.get("dependencies", ())),
+        *(name for project in projects for name in project.get("optional-dependencies", {}).get("all", ())),
         *projects[0]["optional-dependencies"]["dev"],
     ]
     names = [re.split(r"[\[<>=!~; ]", requirement)[0] for requirement in required]
@@ -150,9 +151,10 @@ def test_the_commands_page_is_current() -> None:
     assert made == _page("reference/commands.md")
 
 
-def test_the_architecture_says_where_twelve_changes_go() -> None:
+def test_contributing_says_where_twelve_changes_go() -> None:
     """That the files exist is checked by test_names.py."""
-    table = _page("architecture.md").partition("## Twelve changes")[2]
+    page = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    table = page.partition("## Twelve changes")[2]
     rows = re.findall(r"^\| \*\*an? ([^*]+)\*\* \| ([^|]+) \| ([^|]+) \|$", table, re.MULTILINE)
     assert [name for name, _, _ in rows] == [
         *("BSDF", "light", "sensor", "Mitsuba plugin", "API field", "stop condition"),

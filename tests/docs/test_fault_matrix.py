@@ -1,4 +1,4 @@
-"""docs/explanation/reliability.md has every row of the fault matrix, with the tests of it in tests/faults."""
+"""tests/faults/README.md has every row of the fault matrix, with the tests of it in tests/faults."""
 
 import ast
 import re
@@ -14,7 +14,7 @@ _FILE = re.compile(r"`(test_\w+\.py)`")
 
 
 class Row(NamedTuple):
-    """Of the table in docs/explanation/reliability.md."""
+    """Of the table in tests/faults/README.md."""
 
     name: str
     fault: str
@@ -24,7 +24,7 @@ class Row(NamedTuple):
 
 
 def _rows() -> list[Row]:
-    page = (ROOT / "docs" / "explanation" / "reliability.md").read_text(encoding="utf-8")
+    page = (ROOT / "tests" / "faults" / "README.md").read_text(encoding="utf-8")
     return [Row(*match) for match in _ROW.findall(page)]
 
 

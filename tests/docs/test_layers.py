@@ -1,4 +1,4 @@
-"""Dependency rules of worker/src: the table in docs/architecture.md, the CMake files and the includes agree.
+"""Dependency rules of worker/src: the table in worker/README.md, the CMake files and the includes agree.
 
 All folders are on one include path, so the build alone misses a header of a folder that is not linked.
 """
@@ -43,7 +43,7 @@ def _reachable(folder: str) -> set[str]:
 
 
 def _table() -> dict[str, set[str]]:
-    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    page = (ROOT / "worker" / "README.md").read_text(encoding="utf-8")
     return {folder: set(re.findall(r"`(\w+)`", uses)) for folder, uses in _ROW.findall(page)}
 
 

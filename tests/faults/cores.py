@@ -110,7 +110,7 @@ class Reaction(NamedTuple):
     number: int
     published: tuple[int, ...] = ()
     withdrawn: tuple[int, ...] = ()
-    settled: tuple[int, ...] = ()
+    to_acknowledge: tuple[int, ...] = ()
 
 
 class Cores:
@@ -163,7 +163,7 @@ class Cores:
             self._known[event] = Reaction(
                 self._number(Core(render, scheduler)),
                 withdrawn=tuple(map(int, outcome.withdrawn)),
-                settled=tuple(map(int, outcome.settled)),
+                to_acknowledge=tuple(map(int, outcome.to_acknowledge)),
             )
         return self._known[event]
 

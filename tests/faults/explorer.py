@@ -149,7 +149,7 @@ class Explorer:
         results = list(state.results)
         held = entry + _HELD * _DIGIT[role]
         results[index] = _changed(results[index], entry, held)
-        for settled in reaction.settled:
+        for settled in reaction.to_acknowledge:
             # The entry itself, or the one of its range that was waiting.
             found = held if settled == index else _find(results[settled], role, _HELD)
             if found is not None:

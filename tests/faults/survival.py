@@ -63,7 +63,7 @@ def check_resumes(service: Service, render_id: str, what: str, seconds: float = 
 
 
 def note(what: str, **figures: float) -> None:
-    """For docs/explanation/reliability.md: NOCTURNE_FIGURES names a file that gets a line of JSON."""
+    """For tests/faults/README.md: NOCTURNE_FIGURES names a file that gets a line of JSON."""
     path = os.environ.get("NOCTURNE_FIGURES")
     if path:
         with Path(path).open("a") as file:

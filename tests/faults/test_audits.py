@@ -28,16 +28,16 @@ def audited(author: str, partial: job_pb2.Partial, *live: str) -> Auditor:
 
 @pytest.mark.parametrize("seconds", [("a", "b"), ("b", "a")])
 def test_a_worker_that_contradicts_itself_is_faulty(seconds: tuple[str, str]) -> None:
-    """L5: asked second or third, it now says what is right: its first testimony is what is in the image."""
+    """L5: asked second or third, it now sends the right result: its first one is in the image."""
     auditor = audited("a", WRONG, "a", "b", "c")
     found = [auditor.again(KEY, worker, RIGHT, {"a", "b", "c"}) for worker in seconds]
-    assert [worker for finding in found for worker in finding.liars] == ["a"]
+    assert [worker for finding in found for worker in finding.mismatching] == ["a"]
     assert auditor.agreed == 0
     assert auditor.mismatches == 1
 
 
 def test_a_job_that_was_done_again_while_nobody_else_was_there_is_audited_once() -> None:
-    """L6: of what was asked for twice one would be left when the render is let go."""
+    """L6: of a job that was asked for twice one would be left when the render is let go."""
     auditor = audited("a", RIGHT, "a")
     auditor.again(KEY, "a", RIGHT, {"a"})
     assert auditor.take(9) == []
@@ -47,7 +47,7 @@ def test_a_job_that_was_done_again_while_nobody_else_was_there_is_audited_once()
 
 
 def test_a_worker_does_not_confirm_itself() -> None:
-    """L6: nor does asking it for ever."""
+    """L6: nor does asking it again and again."""
     auditor = audited("a", RIGHT, "a", "b")
     for _ in range(20):
         auditor.published(KEY, b"1-0", 0.0)
@@ -57,10 +57,10 @@ def test_a_worker_does_not_confirm_itself() -> None:
 
 
 def test_an_auditor_that_contradicts_itself_leaves_the_audit_open() -> None:
-    """L5: another one has to say what is right."""
+    """L5: another one has to decide."""
     auditor = audited("a", RIGHT, "a", "b", "c")
     auditor.again(KEY, "b", WRONG, {"a", "b", "c"})
-    assert list(auditor.again(KEY, "b", RIGHT, {"a", "b", "c"}).liars) == ["b"]
+    assert list(auditor.again(KEY, "b", RIGHT, {"a", "b", "c"}).mismatching) == ["b"]
     assert auditor.again(KEY, "c", RIGHT, {"a", "b", "c"}).agreed
 
 
@@ -88,17 +88,17 @@ def test_machines_of_one_token_do_not_confirm_each_other_beside_others() -> None
     assert not auditor.again(KEY, "pool:2", WRONG, live).agreed
     assert auditor.mismatches == 0
     found = auditor.again(KEY, "other", RIGHT, live)
-    assert (found.agreed, found.liars, auditor.mismatches) == (False, {}, 1)
-    assert auditor.again(KEY, "third", RIGHT, live).liars.keys() == live - {"other"}
+    assert (found.agreed, found.mismatching, auditor.mismatches) == (False, {}, 1)
+    assert auditor.again(KEY, "third", RIGHT, live).mismatching.keys() == live - {"other"}
 
 
 def test_a_faulty_machine_is_found_by_those_of_its_token() -> None:
-    """P15: also beside others, which are then asked, too."""
+    """P15: also next to others, which are then asked, too."""
     live = {"pool:1", "pool:2", "pool:3", "other"}
     auditor = audited("pool:1", RIGHT, *live)
     auditor.again(KEY, "pool:2", WRONG, live)
     found = auditor.again(KEY, "pool:3", RIGHT, live)
-    assert (found.agreed, list(found.liars)) == (False, ["pool:2"])
+    assert (found.agreed, list(found.mismatching)) == (False, ["pool:2"])
     assert auditor.again(KEY, "other", RIGHT, live).agreed
 
 
@@ -119,9 +119,9 @@ def test_a_faulty_node_of_a_pool_is_out_and_the_others_work_on() -> None:
 def test_the_third_faulty_machine_of_a_token_puts_all_of_it_out() -> None:
     """P15."""
     policy = FailurePolicy()
-    assert [policy.lied(f"pool:{node}", 0.0) for node in (1, 1, 2, 3)] == [False, False, False, True]
-    assert [policy.lied(f"old:{day}", 86400.0 * day) for day in (1, 2, 3)] == [False] * 3
-    assert not any(policy.lied(f"alone-{number}", 0.0) for number in range(5))
+    assert [policy.mismatched(f"pool:{node}", 0.0) for node in (1, 1, 2, 3)] == [False, False, False, True]
+    assert [policy.mismatched(f"old:{day}", 86400.0 * day) for day in (1, 2, 3)] == [False] * 3
+    assert not any(policy.mismatched(f"alone-{number}", 0.0) for number in range(5))
     fleet = Fleet()
     fleet.quarantined = {"pool": "Three of its machines were found faulty."}
     names = ("pool:1/a", "pool:9/b", "other/c")
@@ -131,7 +131,7 @@ def test_the_third_faulty_machine_of_a_token_puts_all_of_it_out() -> None:
 
 
 def test_a_job_fails_by_three_nodes_and_not_by_one() -> None:
-    """P15: of one token; beside others, not by it alone."""
+    """P15: of one token; next to others, not by it alone."""
     policy, live = FailurePolicy(), {"pool:1", "pool:2", "pool:3", "pool:4"}
     assert [policy.failed(KEY, "pool:1", "no", live, 0.0) for _ in range(9)] == [None] * 9
     assert policy.failed(KEY, "pool:2", "no", live, 0.0) is None
@@ -142,8 +142,8 @@ def test_a_job_fails_by_three_nodes_and_not_by_one() -> None:
 
 
 def wrong_once(number: int) -> Alter:
-    """One result is wrong, by one unit in the last place: a transient fault, or a liar that knows its range
-    again."""
+    """One result is wrong, by one unit in the last place: a transient fault, or a hostile worker that knows
+    its range again."""
     sent = 0
 
     def alter(result: job_pb2.JobResult) -> list[job_pb2.JobResult | bytes]:
@@ -203,7 +203,7 @@ def test_one_machine_alone_is_not_audited_and_the_render_says_so() -> None:
 
 
 def test_a_small_render_does_not_wait_for_machines_that_are_at_long_jobs() -> None:
-    """L6: no longer than ten seconds, or than it ran, and says what was not audited."""
+    """L6: no longer than ten seconds, or than it ran, and counts the unaudited ranges."""
     world = World(settings=ALL)
     world.start()
     # Without jobs until it has taken one that it never ends.

@@ -1,4 +1,4 @@
-"""Real workers, and forward photons, beside adjoint ones and alone: the service's image is that of `nocturne
+"""Real workers, and forward photons, with adjoint ones and alone: the service's image is that of `nocturne
 render` in every bit, whatever happens meanwhile.
 
 Half a minute for a large film; the same with simulated workers is in tests/coordinator."""

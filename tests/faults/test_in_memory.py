@@ -3,7 +3,7 @@ clock.
 
 Each runs in milliseconds, so each runs at every place and with many seeds; the state is validated after
 every event. The same rows on real processes: the other files here. One file, though long: it is the matrix of
-docs/explanation/reliability.md in its order, to be read together with it."""
+tests/faults/README.md in its order, to be read together with it."""
 
 import sqlite3
 from collections.abc import Callable, Iterator

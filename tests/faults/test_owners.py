@@ -212,7 +212,7 @@ async def test_whose_scene_compiles_at_once_waits_for_nobodys(
 
 
 async def test_turns_of_compilers() -> None:
-    """P7: of one owner two at once; beside them one of each other owner, up to four; then who has fewest."""
+    """P7: of one owner two at once; next to them one of each other owner, up to four; then who has fewest."""
     turns, at_work, may_end = CompileTurns(), [], asyncio.Event()
 
     async def compiling(owner: str) -> None:

@@ -26,7 +26,7 @@ class EmptyRoot:
         if not (self.folder / "usr" / "bin" / "python3").exists():
             shutil.rmtree(self.folder, ignore_errors=True)
             self.folder.mkdir(parents=True)
-            # A mirror may lag behind; what it has is signed all the same.
+            # A mirror may lag behind; its packages are signed all the same.
             late = '--aptopt=Acquire::Check-Valid-Until "false"'
             made = ["mmdebstrap", "--quiet", "--variant=minbase", late, f"--include={_PACKAGES}", suite, "-"]
             with subprocess.Popen(made, stdout=subprocess.PIPE, umask=0o022) as archive:
@@ -72,7 +72,7 @@ def wheels_for(
 ) -> Path:
     """A folder with our wheels and those of all that they need, for this version of Python.
 
-    `program`: a Python that asks; of those for versions of Python, pip takes what it needs itself.
+    `program`: a Python that asks; of those for versions of Python, pip takes their dependencies itself.
     """
     folder = _KEPT / f"wheels-{python}"
     folder.mkdir(parents=True, exist_ok=True)

@@ -81,5 +81,5 @@ def test_as_much_light_as_mitsuba(name: str, tmp_path: Path) -> None:
     errors = [each.std(axis=0, ddof=1) / each.mean(axis=0) / _BATCHES**0.5 for each in (ours, theirs)]
     error = np.hypot(*errors)
     told = ", ".join(f"{each - 1:+.2%} ± {own:.2%}" for each, own in zip(ratio, error, strict=True))
-    print(f"{name}: {told}")  # noqa: T201 - figures for docs/reference/compatibility.md
+    print(f"{name}: {told}")  # noqa: T201 - figures for tests/mitsuba/README.md
     assert np.all(np.abs(ratio - 1) <= _BOUND + _ERRORS * error)

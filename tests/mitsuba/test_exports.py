@@ -59,7 +59,7 @@ def check(document: Path, folder: Path, samples: tuple[int, int]) -> None:
         f"means {ratio}, z {verdict.mean_z.round(1)}, tiles {verdict.largest_tile:.2g}, "
         f"{verdict.share_explained:.2%} of pixels, Y {image.mean[..., 1].mean() * CANDELAS_PER_UNIT:.4g}"
     )
-    print(f"{document.parent.name}: {told}")  # noqa: T201 - figures for docs/reference/compatibility.md
+    print(f"{document.parent.name}: {told}")  # noqa: T201 - figures for tests/mitsuba/README.md
     assert verdict.pixels_agree, told
     assert verdict.sums_agree, told
 

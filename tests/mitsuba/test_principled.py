@@ -68,5 +68,5 @@ def test_a_sphere_sends_back_as_much_light(name: str, light: str, tmp_path: Path
     imported = import_scene(scene, tmp_path / "ours", ImportOptions())
     ours = Batches(imported, tmp_path / "compiled", 2, _SAMPLES // 2).render().mean.mean(axis=(0, 1))
     ratio = ours / theirs
-    print(f"{name}: {', '.join(f'{each - 1:+.1%}' for each in ratio)}")  # noqa: T201 - for compatibility.md
+    print(f"{name}: {', '.join(f'{each - 1:+.1%}' for each in ratio)}")  # noqa: T201 - for tests/mitsuba/README.md
     assert ratio == pytest.approx(np.ones(3), abs=0.02)

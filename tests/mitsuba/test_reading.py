@@ -60,7 +60,7 @@ def test_all_kinds_are_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     pictures.write_denoised(files[0], tmp_path)
     squares = Squares(np.zeros((1, 1, PRODUCTS)), np.zeros((1, 1, PRODUCTS)), 8)
     sums = np.random.default_rng(1).random((8, 8, sums_per_pixel(0)))
-    provenance = Provenance("00", "{}", 1, doubt="brighter samples are still met")
+    provenance = Provenance("00", "{}", 1, error_warning="brighter samples are still met")
     write_image(tmp_path / "service.exr", sums, np.full((8, 8), 4, np.uint32), squares, provenance)
     write_layers(tmp_path / "pass.exr", [*CHANNELS], np.ones((8, 8, 13), np.float32), "[]")
     files += [tmp_path / name for name in (pictures.EXR, "service.exr", "pass.exr")]

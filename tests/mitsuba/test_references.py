@@ -2,7 +2,7 @@
 
 False alarms: for the pixels far below 0.01 a scene, for the sums 0.018 (tiles 0.01, means of three channels
 0.008). Seeds are fixed, so a test passes always or never. Expected differences and their reasons are also in
-docs/reference/compatibility.md.
+tests/mitsuba/README.md.
 """
 
 from dataclasses import dataclass
@@ -83,7 +83,7 @@ def rendered(name: str, folder: Path) -> Rendered:
         guarded = reference.guard(image, BATCHES * samples)
         found = Rendered(compare(guarded, reference.estimate), compare(image, reference.estimate))
         _rendered[name] = found
-        print(f"{name}: {told(found)}")  # noqa: T201 - figures for docs/reference/compatibility.md
+        print(f"{name}: {told(found)}")  # noqa: T201 - figures for tests/mitsuba/README.md
     return _rendered[name]
 
 

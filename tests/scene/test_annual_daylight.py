@@ -6,7 +6,14 @@ from typing import Any
 import numpy as np
 import pytest
 from nocturne_scene.daylight import metrics
-from nocturne_scene.daylight.coefficients import Coefficients, Illuminances, Layout, illuminances
+from nocturne_scene.daylight.coefficients import (
+    Coefficients,
+    Illuminances,
+    Layout,
+    hours_of_sun,
+    illuminances,
+    with_blinds,
+)
 from nocturne_scene.daylight.metrics import Counting, Estimate
 from nocturne_scene.daylight.patches import Patches
 from nocturne_scene.daylight.solar_position import sun_at
@@ -168,3 +175,30 @@ def test_intervals_of_a_threshold_hold() -> None:
         low, high = day.interval()
         held += bool(low[0] <= np.mean(true >= 300) <= high[0])
     assert held >= 179
+
+
+def test_glare_of_an_eye_by_its_illuminance() -> None:
+    """Wienold 2007: DGPs = 6.22e-5 Ev + 0.184, so 0.35, 0.40 and 0.45 are 2669, 3473 and 4277 lx."""
+    lux = np.array([2660.0, 2680.0, 3460.0, 3480.0, 4270.0, 4280.0])
+    lit = Illuminances(np.tile(lux, (1, 1, 1)), np.zeros((1, 1, 6)))
+    figures = Counting(np.ones(6, dtype=bool), 6).eye_figures()
+    found = [figures[f"DGPs above {limit}"](lit)[0, 0] * 6 for limit in ("0.35", "0.40", "0.45")]
+    assert found == pytest.approx([5, 3, 1])
+    assert figures["Sun in sight"](lit)[0, 0] == 0
+
+
+def test_blinds_close_where_the_sun_comes_in(year: WeatherYear) -> None:
+    """In an open field more than 2 % of the points have 1000 lx of Sun as soon as it gives as much."""
+    layout = Layout(Patches(1), Patches(1))
+    skies = skies_of(year, layout.sky, 0.2)
+    field = open_field(layout, skies)
+    closed = hours_of_sun(field, skies)
+    level = skies.sun_illuminance * np.maximum(skies.sun_towards[:, 2], 0.0)
+    assert (closed == (level > 1000.0)).all()
+    assert 0 < np.count_nonzero(closed) < len(closed)
+    opened = illuminances(field, skies, layout)
+    dark = Illuminances(np.zeros_like(opened.whole), np.zeros_like(opened.sun))
+    both = with_blinds(opened, dark, closed)
+    assert not both.whole[..., closed].any()
+    assert (both.whole[..., ~closed] == opened.whole[..., ~closed]).all()
+    assert both.sun is opened.sun

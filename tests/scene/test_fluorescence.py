@@ -67,6 +67,7 @@ def test_a_matrix_is_a_sum_over_emitted_wavelengths(document: dict[str, Any], co
         ([_DYE | {"emission": {"table": [[500, 0], [600, 0]]}}], 0.3, ".fluorescence[0].emission", "nothing"),
         ([_DYE | {"absorption": {"blackbody": 3000}}], 0.3, ".fluorescence[0].absorption", "part"),
         ([_DYE | {"absorption": {"table": [[200, 0.5], [300, 0.5]]}}], 0.3, ".fluorescence", "360 to 830 nm"),
+        ([_DYE | {"emission": {"table": [[830, 0], [900, 1]]}}], 0.3, ".fluorescence", "360 to 830 nm"),
     ],
 )
 def test_impossible_fluorescence_is_refused(
@@ -79,6 +80,13 @@ def test_impossible_fluorescence_is_refused(
 ) -> None:
     scene = _with(document, *fluorescence, reflectance=reflectance)
     expect_problem(scene, blobs, f"$.surfaces[0].kernel{place}", words)
+
+
+def test_the_last_wavelength_of_a_scene_excites_nothing(document: dict[str, Any], blobs: BlobStore) -> None:
+    """A matrix from 400 nm on in a scene up to 400 nm was refused by the tracer, without a place."""
+    scene = _with(document, _MATRIX, wavelengths={"first": 280, "last": 400})
+    scene["sensor"]["measures"] = "erythemal"
+    expect_problem(scene, blobs, "$.surfaces[0].kernel.fluorescence", "280 to 400 nm")
 
 
 @pytest.mark.parametrize(("name", "value"), [("direction", "both"), ("sharing", 16)])

@@ -1,4 +1,4 @@
-"""Light groups become further responses; what can't be told apart is refused before anything is traced."""
+"""Light groups become further responses; too many are refused before anything is traced."""
 
 from typing import Any
 
@@ -67,7 +67,7 @@ def test_without_names_nothing_is_told_apart(document: dict[str, Any], compiled:
 
 
 def test_groups_change_no_wavelengths(document: dict[str, Any], compiled: Compile) -> None:
-    """Lines have a density of their own, which responses to all light change."""
+    """Lines have a separate density, which responses to all light change."""
     document["surfaces"][1]["luminaire"]["radiance"] = {"lines": [{"nm": 546.1, "power": 1.0}]}
     before = compiled(document).sensor
     document["surfaces"][1]["luminaire"]["light_group"] = "desk"

@@ -128,7 +128,7 @@ def test_what_is_not_known_is_said_so() -> None:
     assert math.isnan(once.u0_error)
     dark = measured(constant(np.zeros((EDGE, EDGE))), WHOLE)
     assert math.isnan(dark.u0)
-    assert dark.unseen_pixels == EDGE * EDGE
+    assert dark.zero_pixels == EDGE * EDGE
     table = as_csv([("=cmd", WHOLE, dark)], "luminance", "cd/m2").splitlines()
     assert table[0].startswith("name,kind,points,quantity,unit,pixels,mean,mean_error,")
     assert table[1] == '\'=cmd,rectangle,"0,0 8,8",luminance,cd/m2,64,0,0,0,0,0,0,0,0,0,0,,,,,64'

@@ -1,4 +1,4 @@
-"""Lamps as the rays of a file become rays and a spectrum; what can't light a meter is refused."""
+"""Lamps as the rays of a file become rays and a spectrum; those that can't light a meter are refused."""
 
 from pathlib import Path
 from typing import Any

@@ -284,7 +284,7 @@ def test_the_dark_has_no_chromaticity_and_one_sample_no_error() -> None:
     assert once.chromaticity == pytest.approx((4 / 19, 9 / 19))
     dark = read_region(moments(np.zeros((8, 4, 4, 3)), 4))
     assert dark is not None
-    assert dark.unseen_pixels == 16
+    assert dark.zero_pixels == 16
     assert all(map(math.isnan, dark.chromaticity))
     assert read_region(moments(np.ones((2, 4, 4, 3)), 4), np.zeros((4, 4), dtype=np.bool_)) is None
 

@@ -1,7 +1,8 @@
-"""`nocturne annual`: its outputs, and what it refuses."""
+"""`nocturne annual`: its outputs and its refusals."""
 
 import csv
 import json
+import re
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -80,6 +81,42 @@ def test_a_year_of_a_room(tmp_path: Path) -> None:
     ElementTree.parse(files["year.svg"])  # noqa: S314 - our own
 
 
+def test_a_year_with_blinds_eyes_and_melanopic_light(tmp_path: Path) -> None:
+    """Blinds that let nothing pass, closed in the first half of the year: half of the light is gone. A grey
+    room under D65 has as much melanopic EDI as illuminance."""
+    scene = _scene(tmp_path)
+    document = json.loads(scene.read_text())
+    document["sensor"]["instruments"].append({"name": "eye", "points": [[2, 1.2, 2]], "normal": [0, 0, 1]})
+    scene.write_text(json.dumps(document))
+    blind = {"type": "quad", "corner": [-1, -1, 4.01], "edge_u": [6, 0, 0], "edge_v": [0, 6, 0]}
+    document["surfaces"].append({"shape": blind, "kernel": {"type": "lambertian", "reflectance": 0.0}})
+    closed = tmp_path / "closed.json"
+    closed.write_text(json.dumps(document))
+    schedule = tmp_path / "schedule.txt"
+    schedule.write_text("1\n" * 4380 + "0\n" * 4380)
+    out = tmp_path / "year.json"
+    words: list[str | Path] = ["--weather", tmp_path / "year.epw", *_FEW, "--eye", "eye", "-o", out]
+    said = _run(scene, *words, "--melanopic", "--blinds", closed, "--schedule", schedule)
+    # Of hours with light: on winter's evenings there is none.
+    found = re.search(r"blinds are closed in ([\d.]+)% of the hours", said)
+    assert found is not None
+    assert 43 < float(found[1]) < 50
+    half = json.loads(out.read_text())
+    assert len(half["points"]) == 5
+    lux, melanopic = half["means"]["mean illuminance"], half["means"]["melanopic EDI"]
+    assert melanopic["value"] == pytest.approx(lux["value"], rel=0.1)
+    (eye,) = half["eyes"]
+    assert (eye["instrument"], eye["place"]) == ("eye", [2, 1.2, 2])
+    assert eye["DGPs above 0.45"]["value"] <= eye["DGPs above 0.35"]["value"] < 1
+    _run(scene, *words)
+    whole = json.loads(out.read_text())
+    # The weather's halves are alike.
+    assert lux["value"] / whole["means"]["mean illuminance"]["value"] == pytest.approx(0.5, abs=0.03)
+    assert "blinds closed" not in whole
+    # Blinds change nothing of the Sun's hours.
+    assert half["ASE"] == whole["ASE"]
+
+
 @pytest.mark.parametrize(
     ("changes", "words", "said"),
     [
@@ -90,6 +127,7 @@ def test_a_year_of_a_room(tmp_path: Path) -> None:
         ({}, ["--north", "up"], "expected three numbers"),
         ({}, ["-o", "year.pdf"], "expected a name that ends in .json or .svg"),
         ({}, ["--hours", "23.2", "23.4"], "no hour of the day"),
+        ({}, ["--schedule", "hours.txt"], "expected --blinds, too"),
     ],
 )
 def test_what_is_no_year_is_refused(

@@ -95,7 +95,8 @@ async def render_id(body: dict[str, Any], rest: httpx.AsyncClient, folder: DataF
     ]
     folder.database.execute(
         """UPDATE render SET state = 'QUEUED', started = created, reason = 'so', photons = 9600,
-               rays = 1099511627776, relative_error = 0.25, doubt = 'so', out_of_reach = 'no', warnings = ?
+               rays = 1099511627776, relative_error = 0.25, error_warning = 'so', target_unreachable = 'no',
+               warnings = ?
            WHERE id = ?""",
         (json.dumps(warnings), render["id"]),
     )

@@ -26,7 +26,13 @@ def _some(model: type[_Model], **known: Any) -> _Model:
 
 
 def _report(port: int = 7070, **progress: Any) -> str:
-    known = {"relative_error": 0.1226, "mean": 17329.4, "mean_error": 12.2, "doubt": "", "cpu_seconds": 20.0}
+    known = {
+        "relative_error": 0.1226,
+        "mean": 17329.4,
+        "mean_error": 12.2,
+        "error_warning": "",
+        "cpu_seconds": 20.0,
+    }
     so_far = _some(Progress, **known | progress)
     film = {"width": 512, "height": 512, "samples": 64, "unit": "cd/m2"}
     return report(
@@ -53,7 +59,7 @@ def test_it_says_what_is_where_and_what_the_error_means() -> None:
 
 
 def test_a_doubt_is_told_and_so_is_another_port() -> None:
-    said = _report(8080, doubt="Few bright samples carry the light.")
+    said = _report(8080, error_warning="Few bright samples carry the light.")
     assert "may be too small:\nFew bright samples carry the light." in said
     assert "  NOCTURNE_URL=http://127.0.0.1:8080 .venv/bin/nocturne extend" in said
     assert "not known yet" in _report(relative_error=0.0)

@@ -96,7 +96,7 @@ async def test_what_is_made_without_being_asked_for_is_no_part_of_the_request(
     def fails(*_: object) -> str:
         raise InputError.at("$.layers", "can't be made, as nocturne-trace failed")
 
-    monkeypatch.setattr("nocturne_api.background.layers_maker.layers_in_child", fails)
+    monkeypatch.setattr("nocturne_api.background.layer_builder.layers_in_child", fails)
     made = (await rest.post("/v1/renders", json=body)).json()
     await until(lambda: not folder.layers.due())
     assert (await rest.get(f"/v1/renders/{made['id']}")).json()["layers"] == []

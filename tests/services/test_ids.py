@@ -96,7 +96,7 @@ async def test_a_list_has_a_line_for_each_render_in_80_columns(
     made = (await rest.post("/v1/renders", json={**body, "name": name})).json()
     folder.database.execute(
         """UPDATE render SET state = 'STOPPED_EARLY', width = 1920, height = 1080, relative_error = 0.4321,
-               doubt = 'so', created = created - 7000"""
+               error_warning = 'so', created = created - 7000"""
     )
     monkeypatch.setattr(CONSOLE, "width", 80)
     shown = (await _nocturne(service, "list")).stdout.splitlines()

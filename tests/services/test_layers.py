@@ -9,7 +9,7 @@ import httpx
 import numpy as np
 import OpenEXR
 import pytest
-from nocturne_api.background.layers_maker import LayersMaker
+from nocturne_api.background.layer_builder import LayerBuilder
 from nocturne_api.background.space import DiskQuota
 from nocturne_api.compiling.pool import WARM_SCENE, CompileLimits, layers_in_child
 from nocturne_api.files.current_image import write_current
@@ -98,7 +98,7 @@ async def test_that_can_not_be_made_are_told_and_nothing_waits(
     def fails(*_: object) -> str:
         raise InputError.at("$.layers", "can't be made, as nocturne-trace failed")
 
-    monkeypatch.setattr("nocturne_api.background.layers_maker.layers_in_child", fails)
+    monkeypatch.setattr("nocturne_api.background.layer_builder.layers_in_child", fails)
     made = (await rest.post("/v1/renders", json={**body, "layers": ["normal"]})).json()
     await until(lambda: not folder.layers.due())
     told = (await rest.get(f"/v1/renders/{made['id']}")).json()
@@ -118,8 +118,8 @@ async def test_what_failed_for_now_is_tried_again(
             raise OSError("no space left")
         return layers_in_child(*asked)
 
-    monkeypatch.setattr("nocturne_api.background.layers_maker.layers_in_child", fails_once)
-    monkeypatch.setattr("nocturne_api.background.layers_maker._AGAIN_S", 0.01)
+    monkeypatch.setattr("nocturne_api.background.layer_builder.layers_in_child", fails_once)
+    monkeypatch.setattr("nocturne_api.background.layer_builder._AGAIN_S", 0.01)
     made = (await rest.post("/v1/renders", json={**body, "layers": ["normal"]})).json()
     await layers_of_render(folder, made["id"])
     assert len(tried) == 2
@@ -141,7 +141,7 @@ async def test_who_has_many_keeps_nobody_else_waiting(
     def fails(*_: object) -> str:
         raise InputError.at("$.layers", "can't be made")
 
-    monkeypatch.setattr("nocturne_api.background.layers_maker.layers_in_child", fails)
+    monkeypatch.setattr("nocturne_api.background.layer_builder.layers_in_child", fails)
     give_up = folder.layers.give_up
 
     def note(render_id: str, warning: str) -> None:
@@ -149,7 +149,7 @@ async def test_who_has_many_keeps_nobody_else_waiting(
         give_up(render_id, warning)
 
     monkeypatch.setattr(folder.layers, "give_up", note)
-    maker = LayersMaker(folder, asyncio.to_thread, CompileLimits(), DiskQuota(folder.root, 0.0))
+    maker = LayerBuilder(folder, asyncio.to_thread, CompileLimits(), DiskQuota(folder.root, 0.0))
     maker.start()
     await until(lambda: not folder.layers.due())
     await maker.close()
@@ -174,8 +174,8 @@ async def test_one_that_fails_for_now_holds_no_place(
         raise InputError.at("$.layers", "can't be made")
 
     monkeypatch.setattr(folder.layers, "get_due", get)
-    monkeypatch.setattr("nocturne_api.background.layers_maker.layers_in_child", fails)
-    maker = LayersMaker(folder, asyncio.to_thread, CompileLimits(), DiskQuota(folder.root, 0.0))
+    monkeypatch.setattr("nocturne_api.background.layer_builder.layers_in_child", fails)
+    maker = LayerBuilder(folder, asyncio.to_thread, CompileLimits(), DiskQuota(folder.root, 0.0))
     maker.start()
     await until(lambda: other not in {render_id for render_id, _ in folder.layers.due()})
     await maker.close()
@@ -198,8 +198,8 @@ async def test_wait_for_room_in_a_bounded_folder(
         begun.append(space.figures()["data_bytes"])
         raise InputError.at("$.layers", "can't be made")
 
-    monkeypatch.setattr("nocturne_api.background.layers_maker.layers_in_child", fails)
-    monkeypatch.setattr("nocturne_api.background.layers_maker._AGAIN_S", 0.01)
+    monkeypatch.setattr("nocturne_api.background.layer_builder.layers_in_child", fails)
+    monkeypatch.setattr("nocturne_api.background.layer_builder._AGAIN_S", 0.01)
     tried: list[str] = []
     get_due = folder.layers.get_due
 
@@ -208,7 +208,7 @@ async def test_wait_for_room_in_a_bounded_folder(
         return get_due(due)
 
     monkeypatch.setattr(folder.layers, "get_due", get)
-    maker = LayersMaker(folder, asyncio.to_thread, CompileLimits(), space)
+    maker = LayerBuilder(folder, asyncio.to_thread, CompileLimits(), space)
     maker.start()
     await until(lambda: len(tried) >= 3 or not folder.layers.due())
     await maker.close()
@@ -223,7 +223,7 @@ async def test_can_be_closed_when_a_render_comes_just_then(folder: DataFolder) -
         return []
 
     for turns in range(8):
-        maker = LayersMaker(folder, nothing_is_due, CompileLimits(), DiskQuota(folder.root, 0.0))
+        maker = LayerBuilder(folder, nothing_is_due, CompileLimits(), DiskQuota(folder.root, 0.0))
         maker.start()
         for _ in range(20):
             await asyncio.sleep(0)

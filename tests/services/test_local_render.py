@@ -118,7 +118,7 @@ def test_an_error_ends_it_at_the_end_of_a_range(scene: Path) -> None:
     samples = channels(image)["n"]
     assert samples.min() == samples.max() < 65536
     found = image_error(image)
-    assert found.doubt == ""
+    assert found.error_warning == ""
     assert 0.0 < found.estimate.relative_error <= 0.1
     assert abs(found.estimate.mean - AXIS) < 4 * found.estimate.mean_error
     assert "mean illuminance" in said

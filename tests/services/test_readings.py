@@ -53,7 +53,7 @@ async def test_a_region_across_tiles_has_means_and_errors(
     # Pixels that are taken as independent would have 0.35 of it; an error of 16 samples is known to 18 %.
     assert [each["standard_error"] for each in read["values"]] == pytest.approx(expected, rel=0.45)
     assert read["correlation"] > 4.0
-    assert (read["pixels"], read["samples"], read["unseen_pixels"]) == (64, 64 * SAMPLES, 0)
+    assert (read["pixels"], read["samples"], read["zero_pixels"]) == (64, 64 * SAMPLES, 0)
     assert (read["fewest_samples"], read["most_samples"], read["invalid_samples"]) == (SAMPLES, SAMPLES, 3)
     assert read["region"] == asked
     assert (read["quantity"], read["unit"]) == ("luminance", "cd/m2")
@@ -106,7 +106,7 @@ def reading(**fields: Any) -> Reading:
         "correlation": 1.0,
         "coverage_factor": 2.0,
         "pixels": 4,
-        "unseen_pixels": 0,
+        "zero_pixels": 0,
         "samples": 64,
         "fewest_samples": 16,
         "most_samples": 16,
@@ -120,7 +120,7 @@ def test_a_reading_says_all_quantities_with_their_intervals() -> None:
         "illuminance 10 +- 1.4 lx, u' 0.2000 +- 0.002, v' 0.4500 +- 0.004, X 12 +- 1, Z 8 +- 0.8 (95 %)"
     )
     assert "rod 0.5 +- 0.2" in sentence(reading(values=[*reading().values, ReadValue("rod", 0.5, 0.1)]))
-    assert "nothing seen in 1 of 4 pixels" in sentence(reading(unseen_pixels=1))
+    assert "nothing seen in 1 of 4 pixels" in sentence(reading(zero_pixels=1))
 
 
 def test_what_saw_nothing_says_so_with_a_bound() -> None:

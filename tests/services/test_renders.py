@@ -142,8 +142,8 @@ async def test_convergence(body: dict[str, Any], rest: httpx.AsyncClient, folder
             "time_s": pytest.approx(2.5),
             "samples": 4.0,
             "relative_error": 0.125,
-            "worst_share": 0.25,
-            "effective_sample_size_of_pixels": 70.0,
+            "top_percent_share": 0.25,
+            "effective_pixels": 70.0,
         }
     ]
 

@@ -57,7 +57,13 @@ async def test_ends_are_told_and_signed(
     assert told["render.degraded"] == {
         "type": "render.degraded",
         "timestamp": "2001-09-09T01:46:40Z",
-        "data": {"id": "r-DEGRADED", "name": "night", "state": "DEGRADED", "reason": "because", "doubt": ""},
+        "data": {
+            "id": "r-DEGRADED",
+            "name": "night",
+            "state": "DEGRADED",
+            "reason": "because",
+            "error_warning": "",
+        },
     }
     assert len({headers["webhook-id"] for _, headers, _ in receiver.got}) == 4
     assert [each["last_outcome"] for each in listed] == ["answered 204"]
@@ -76,12 +82,12 @@ async def test_a_miss_is_told_before_the_end(folder: DataFolder) -> None:
         _, secret = folder.webhooks.create("", receiver.url)
         make_render(folder, "r-1")
         for sentence in ("It will miss.", "", "It will miss again."):
-            folder.database.execute("UPDATE render SET out_of_reach = ? WHERE id = 'r-1'", (sentence,))
+            folder.database.execute("UPDATE render SET target_unreachable = ? WHERE id = 'r-1'", (sentence,))
         async with sending(folder, TargetRules([HOME])):
             await until(receiver, 1)
     ((_, headers, body),) = receiver.got
     message = Webhook(secret).verify(body, headers)
-    assert message["type"] == "render.out_of_reach"
+    assert message["type"] == "render.target_unreachable"
     assert (message["data"]["state"], message["data"]["reason"]) == ("RUNNING", "It will miss.")
 
 

@@ -57,7 +57,7 @@ class Cluster:
         return done.stdout.strip()
 
     def submit(self, *words: str | Path) -> str:
-        """Of a batch job; gives its number. What it prints goes into the folder."""
+        """Of a batch job; gives its number. Its output goes into the folder."""
         job = self.call("sbatch", "--parsable", f"--output={self.folder}/job-%A_%a", *words)
         assert job.isdigit(), job
         return job

@@ -1,4 +1,4 @@
-"""`python -m tests.stability`: the whole matrix, as stability.md and stability.json."""
+"""`python -m tests.stability`: the whole matrix, as pages and stability.json."""
 
 import argparse
 import sys
@@ -13,10 +13,11 @@ from bench.ways import WAYS
 from tests.stability.case import Case
 from tests.stability.cases import GROUPS
 from tests.stability.measure import measure
-from tests.stability.page import Matrix, as_json, from_json, page
+from tests.stability.page import Matrix, as_json, from_json, page, summary_page
 from tests.stability.verdict import Verdict
 
-_PAGE = CHECKOUT / "docs" / "explanation" / "stability.md"
+_SUMMARY = CHECKOUT / "docs" / "explanation" / "stability.md"
+_PAGE = CHECKOUT / "tests" / "stability" / "README.md"
 _MATRIX = CHECKOUT / "bench" / "results" / "stability.json"
 
 
@@ -30,7 +31,7 @@ def main() -> int:
     arguments = parser.parse_args()
     asked = arguments.cases
     if arguments.page:
-        _PAGE.write_text(page(from_json(_MATRIX.read_text()), kept().get("rare_light")))
+        _write(from_json(_MATRIX.read_text()))
         return 0
     matrix: Matrix = from_json(_MATRIX.read_text()) if asked else {}
     with tempfile.TemporaryDirectory(prefix="nocturne-stability-") as folder:
@@ -38,9 +39,14 @@ def main() -> int:
             if not asked or any(part in case.name for part in asked):
                 matrix[case.name] = _row(case, Path(folder))
                 sys.stderr.write(f"{case.name}: {_short(matrix[case.name])}\n")
-    _PAGE.write_text(page(matrix, kept().get("rare_light")))
+    _write(matrix)
     _MATRIX.write_text(as_json(matrix, processor()))
     return 0
+
+
+def _write(matrix: Matrix) -> None:
+    _PAGE.write_text(page(matrix, kept().get("rare_light")))
+    _SUMMARY.write_text(summary_page(matrix))
 
 
 def _row(case: Case, folder: Path) -> dict[str, Verdict]:

@@ -11,12 +11,40 @@ from tests.stability.verdict import NOISY, Verdict, Word
 Matrix = dict[str, dict[str, Verdict]]
 """Verdicts by case and method."""
 
-_HEAD = """# Stability: scenes that break methods
+_SUMMARY = """# Stability: scenes that break methods
+
+<!-- Made by `make stability`; edit tests/stability/page.py, not this page. -->
+
+Is the default right in extreme scenes, and which method is not? {count} small scenes with a known answer,
+each with one extreme feature, are traced by every method that applies. The {cells} results: {summary}.
+
+- *Right*: the mean over the film is the truth, within chance. *Noisy*: no fault is seen, but the standard
+  error is above {noisy:g} % or tails are heavy. *Biased*: more samples do not help. *Uneven*: pixels that
+  should be alike differ. *Found nothing*: no photon met light. *Refused*: an error before anything is traced.
+- *mixture* and *split* multiply a weight at every vertex. After dozens of vertices few photons carry the sum:
+  their means are right in theory, and hardly any image shows it.
+
+Every case with its truth and each method's result: [torture cases](../../tests/stability/README.md). Methods:
+
+{methods}
+
+## By kind of scene
+
+Results that are right, of all that apply.
+
+{groups}
+
+## Where the default is not right
+
+{wrong}
+"""
+
+_HEAD = """# Torture cases
 
 <!-- Made by `make stability`; edit tests/stability, not this page. -->
 
-Small scenes with a known answer, each with one extreme feature, are traced by every applicable method. A cell
-gives the result:
+Small scenes with a known answer, each with one extreme feature, are traced by every applicable method
+([summary](../../docs/explanation/stability.md)). A cell gives the result:
 
 - **right**: the mean over the film is the truth, within chance and what the case allows; behind ± is the
   standard error, which says how small a fault could have been seen.
@@ -88,8 +116,9 @@ def _plain(verdict: Verdict) -> dict[str, Any]:
 _RARE = """
 ## Rare light
 
-Forty scenes have small bright lights and surfaces that focus their light
-([method](method.md#light-that-was-not-met)), each traced by the default alone. A cell shows how many squares
+Forty scenes have small bright lights and surfaces that focus their light ([searched
+for](../../docs/explanation/units-and-errors.md#light-that-may-be-missing)), each traced by the default
+alone. A cell shows how many squares
 of 8 x 8 pixels, of {images} images, hold the truth in their 95 % interval; "of 90 %" if the images name the
 others as not to be trusted. The truth is a longer image by photons from both directions, those from the
 luminaires aimed at all surfaces that focus their light, {samples:,} samples of each pixel. **Bold**: fewer
@@ -151,6 +180,41 @@ def page(matrix: Matrix, rare_light: dict[str, Any] | None = None) -> str:
             told = f"{case.stress}. Truth: {case.source}.{_advice(matrix[case.name], case.remedy)}"
             lines.append(f"- **{case.name}**: {told}")
     return "\n".join(lines) + "\n" + (_rare_light(rare_light) if rare_light else "")
+
+
+def summary_page(matrix: Matrix) -> str:
+    """The matrix in one screen: counts by group and method, and what the default is not right at."""
+    done = [v for row in matrix.values() for v in row.values() if v.word is not Word.NOT_APPLICABLE]
+    counts = {word: sum(verdict.word is word for verdict in done) for word in Word}
+    names = [each.name for each in WAYS]
+    groups = [f"| | {' | '.join(names)} |", f"| --- |{' --- |' * len(names)}"]
+    groups += [
+        f"| {group} | {' | '.join(_shares(matrix, group, name) for name in names)} |" for group in GROUPS
+    ]
+    wrong = []
+    for case in (case for cases in GROUPS.values() for case in cases if case.name in matrix):
+        verdict = matrix[case.name][names[0]]
+        if verdict.word not in _FINE:
+            told = _cell(verdict, case.truth).replace("**", "")
+            remedy = f" Remedy: {case.remedy}." if case.remedy else ""
+            wrong.append(f"- **{case.name}**: {told}. {case.stress}.{remedy}")
+    return _SUMMARY.format(
+        count=len(matrix),
+        cells=len(done),
+        summary=", ".join(f"{count} {word.value}" for word, count in counts.items() if count),
+        noisy=100 * NOISY,
+        methods="\n".join(f"- *{method.name}*: {method.about}" for method in WAYS),
+        groups="\n".join(groups),
+        wrong="\n".join(wrong),
+    )
+
+
+def _shares(matrix: Matrix, group: str, method: str) -> str:
+    """How many cases of a group a method is right at, of how many; refusals count where they are right."""
+    rows = [matrix[case.name] for case in GROUPS[group] if case.name in matrix]
+    words = [row[method].word for row in rows if _applies(row, method)]
+    right = sum(word in {Word.RIGHT, Word.REFUSED} for word in words)
+    return f"{right} of {len(words)}" if words else ""
 
 
 def _applies(row: dict[str, Verdict], method: str) -> bool:

@@ -16,7 +16,7 @@ struct FilmPart {
   std::uint32_t part, parts;
 };
 
-/// Where the files are, and what they are of: scene, schedule, engine and rounding, in 64 letters.
+/// Where the files are, and their subject: scene, schedule, engine and rounding, in 64 letters.
 struct PieceFiles {
   std::string folder, key;
 };

@@ -203,7 +203,7 @@ void run_part(const Options& options, const v1::CompiledScene& message,
              progress_on_stderr(options.quiet));
 }
 
-// Traced here, or joined of what was traced elsewhere.
+// Traced here, or joined of parts that were traced elsewhere.
 std::pair<TileSums, std::uint32_t> film_of(const Options& options, const v1::CompiledScene& message,
                                            const v1::RangeSchedule& schedule, const FilmPlan& plan,
                                            const Scene* scene, const std::string& scene_sha256) {

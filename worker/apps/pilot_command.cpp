@@ -86,7 +86,7 @@ double samples_of(const FilmPlan& plan) {
   return 1.0 * plan.film.width * plan.film.height * static_cast<double>(plan.samples());
 }
 
-double lessons(const FilmPlan& plan) {
+double training_samples(const FilmPlan& plan) {
   return std::clamp(kLearnedFrom * samples_of(plan), kMinLearnedFrom, kMaxLearnedFrom);
 }
 
@@ -113,7 +113,7 @@ void run_pilot_command(const PilotCommand& command, v1::CompiledScene message,
   const FilmPlan plan = checked_schedule(schedule);
   auto scene = load_scene(message, blobs_in(command.blobs));
   const auto open = [&](const char* what) { return std::ranges::count(command.open, what) > 0; };
-  const double cpu_before = process_cpu_seconds(), photons = lessons(plan);
+  const double cpu_before = process_cpu_seconds(), photons = training_samples(plan);
   Learned learned;
   if (open("learn") || open("guide")) {
     learned = learn(*scene, plan.film, photons, command.threads);
@@ -140,16 +140,17 @@ void run_pilot_command(const PilotCommand& command, v1::CompiledScene message,
   const std::string visible_sky = VisibleSky::packed(sky.sightings);
   scene->lights.set_visible_sky(VisibleSky(VisibleSky::unpacked(visible_sky)));
   const PilotResult found = run_pilot(
-      *scene, {.film = plan.film,
-               .samples = plan.samples(),
-               .direction = open("direction"),
-               .aim = open("aim") || !aims.empty(),
-               .sharing = open("sharing"),
-               .ratio = open("ratio"),
-               .guide = !scene->lights.learned().empty(),
-               .parts = open("parts"),
-               .lessons = (learned.rays > 0 ? photons : 0.0) + static_cast<double>(sky.samples),
-               .threads = command.threads});
+      *scene,
+      {.film = plan.film,
+       .samples = plan.samples(),
+       .direction = open("direction"),
+       .aim = open("aim") || !aims.empty(),
+       .sharing = open("sharing"),
+       .ratio = open("ratio"),
+       .guide = !scene->lights.learned().empty(),
+       .parts = open("parts"),
+       .training_samples = (learned.rays > 0 ? photons : 0.0) + static_cast<double>(sky.samples),
+       .threads = command.threads});
   std::string tried;
   for (const PilotFigures& figures : found.tried) {
     tried += (tried.empty() ? "" : ", ") + figures_json(figures);

@@ -18,18 +18,18 @@ from nocturne_coordinator.dispatch.instructions import (
     INFO,
     WARNING,
     EndRender,
-    LetGo,
     Log,
-    LookAgain,
+    PublishExclusions,
     Quarantine,
     ReadTiles,
     Recut,
-    StartAnew,
+    RefreshRenders,
+    ReleaseLease,
+    RereadResults,
+    RestartRender,
     StartRender,
     Steps,
     TakeRender,
-    TakeUpStreams,
-    TellWorkers,
     Withdraw,
 )
 from nocturne_coordinator.dispatch.job_cost import longest_of
@@ -38,7 +38,7 @@ from nocturne_coordinator.dispatch.records import OpenRender, RenderState, TileR
 from nocturne_coordinator.dispatch.room import Room, is_at_work, share_of
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.state import State
-from nocturne_coordinator.errors import FolderTrouble, LeaseLost
+from nocturne_coordinator.errors import LeaseLost, StoreUnavailable
 
 _ODD_SECONDS = 10.0
 """How long most workers must round otherwise than a render's before it is started again: a worker's status
@@ -72,12 +72,12 @@ class Admission:
         """Takes renders up and lets them go as the folder says; asks for another look if that has to wait."""
         try:
             if not (yield from self._follow(event)):
-                yield LookAgain()
+                yield RefreshRenders()
         except LeaseLost as lost:
             yield from self._commits.lose(lost.render_id)
-        except FolderTrouble as trouble:
+        except StoreUnavailable as trouble:
             yield Log(ERROR, f"the data folder can't be used: {trouble}; trying again")
-            yield LookAgain()
+            yield RefreshRenders()
 
     def _follow(self, event: RendersSeen) -> Steps[bool]:
         state, at = self._state, event.at
@@ -128,10 +128,10 @@ class Admission:
         wanted = {profiles.get(row.id, row.floating_point_profile) for row in rows.values()}
         for worker, reason in state.fleet.set_profiles(wanted).items():
             yield Log(WARNING, f"worker={worker} gets no jobs: {reason}")
-        yield TellWorkers(state.fleet.without_jobs())
+        yield PublishExclusions(state.fleet.without_jobs())
         return True
 
-    def start_odd_ones_anew(self, at: Moment) -> Steps[None]:
+    def restart_minority_profile_renders(self, at: Moment) -> Steps[None]:
         """A render whose first worker rounds as few others do, so that these can't help, loses its start."""
         state = self._state
         machines = state.fleet.votes_by_profile
@@ -140,8 +140,8 @@ class Admission:
             fixed = bool(render.row.stop.tile_samples)
             cpu_seconds = render.totals.cpu_seconds
             if fixed or not should_start_anew(render.floating_point_profile, machines, cpu_seconds):
-                state.odd_since.pop(render.id, None)
-            elif at.now - state.odd_since.setdefault(render.id, at.now) >= _ODD_SECONDS:
+                state.minority_since.pop(render.id, None)
+            elif at.now - state.minority_since.setdefault(render.id, at.now) >= _ODD_SECONDS:
                 if not (yield from self._commits.commit(at)) or render.id not in state.renders:
                     continue
                 profile = render.floating_point_profile
@@ -152,14 +152,14 @@ class Admission:
                     f"most machines {usual}",
                 )
                 try:
-                    yield StartAnew(render.id, render.row.fence)
+                    yield RestartRender(render.id, render.row.fence)
                 except LeaseLost as lost:
                     yield from self._commits.lose(lost.render_id)
-                except FolderTrouble as trouble:
+                except StoreUnavailable as trouble:
                     yield from self._commits.report(trouble)
                 else:
                     yield from self._commits.drop(render.id)
-                    yield LookAgain()
+                    yield RefreshRenders()
 
     def cut_long_ranges(self) -> Steps[None]:
         """A render whose next jobs would take too long gets shorter ranges."""
@@ -171,12 +171,12 @@ class Admission:
                 is_done = yield Recut(render.row, schedule)
             except LeaseLost as lost:
                 yield from self._commits.lose(lost.render_id)
-            except FolderTrouble as trouble:
+            except StoreUnavailable as trouble:
                 yield from self._commits.report(trouble)
             else:
                 if not is_done:
                     # The render was extended meanwhile; its new ranges are cut at the next look.
-                    yield LookAgain()
+                    yield RefreshRenders()
                     continue
                 longest, bundles = longest_of(schedule.range_ends), longest_of(schedule.photon_range_ends)
                 photons = f" and {bundles} bundles of forward photons" if bundles else ""
@@ -189,7 +189,7 @@ class Admission:
         """A render that is at work goes on by another schedule, or to other conditions."""
         state, render = self._state, self._state.renders[row.id]
         kept = render.planned.kept_in(row.schedule)
-        state.settled.setdefault(row.id, []).extend(render.replan(row))
+        state.to_acknowledge.setdefault(row.id, []).extend(render.replan(row))
         jobs = state.scheduler.replan(row.id, kept, render.range_queues())
         state.failure_policy.forget(row.id)
         state.waits_for_audits_since.pop(row.id, None)
@@ -203,7 +203,7 @@ class Admission:
             yield Log(INFO, f"render={render.id} {state.value} {reason}".rstrip())
         else:
             # Somebody changed its requests; the next look at the folder shows which.
-            yield LookAgain()
+            yield RefreshRenders()
 
     def _pass_on(self, part: int, at: Moment) -> Steps[None]:
         """Leaves the youngest renders to other coordinators that have fewer."""
@@ -277,7 +277,7 @@ class Admission:
                 yield from self._load(render_id)
             except LeaseLost as lost:
                 yield from self._commits.lose(lost.render_id)
-            except FolderTrouble as trouble:
+            except StoreUnavailable as trouble:
                 yield from self._commits.report(trouble)
 
     def _load(self, render_id: str) -> Steps[None]:
@@ -291,16 +291,16 @@ class Admission:
             reason = f"Its committed samples can't be read: {error}"
             yield from self.end(render.row, RenderState.FAILED, reason)
             return
-        except FolderTrouble:
+        except StoreUnavailable:
             self._load_no_more(render_id)
-            yield LookAgain()
+            yield RefreshRenders()
             raise
         del self._loading[render_id]
         yield from self._begin(render)
 
     def _load_no_more(self, render_id: str) -> None:
         render, _ = self._loading.pop(render_id)
-        self._state.owed.append(LetGo(render_id, render.row.fence))
+        self._state.owed.append(ReleaseLease(render_id, render.row.fence))
 
     def _begin(self, render: RunningRender) -> Steps[None]:
         """All that was committed of it is here."""
@@ -316,8 +316,8 @@ class Admission:
         )
         if row.fence > 1:
             # Its results are read again, those too that were to be deleted when it was let go.
-            self._state.settled.pop(row.id, None)
-            yield TakeUpStreams(row.id)
+            self._state.to_acknowledge.pop(row.id, None)
+            yield RereadResults(row.id)
         self._look_first(row)
         done, planned = render.totals.ranges, ranges_planned(row.schedule)
         how = "resumed" if done else "started"

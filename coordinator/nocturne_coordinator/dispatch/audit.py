@@ -42,7 +42,7 @@ def _owners(machines: Iterable[str]) -> set[str]:
 @dataclass(slots=True)
 class _Audit:
     witnesses: dict[str, bytes]
-    """First digest by worker; the first worker is the author of what is merged."""
+    """First digest by worker; the first worker is the author of the merged result."""
     differs: bool = False
     asks: int = 0
     published: Published | None = None
@@ -53,7 +53,7 @@ class Finding:
     """What a result that came again showed."""
 
     agreed: bool = False
-    liars: dict[str, str] = field(default_factory=dict)
+    mismatching: dict[str, str] = field(default_factory=dict)
     """Workers that are proven faulty, and by what."""
     withdrawn: list[bytes] = field(default_factory=list)
     """Job entries that are not needed any more."""
@@ -85,7 +85,7 @@ class Auditor:
         live: Callable[[], Collection[str]],
         draw: float,
     ) -> None:
-        """A result was taken; perhaps it is to be audited, later where nobody else works by now.
+        """A result was taken; perhaps it is to be audited, later if no other worker is there by now.
 
         `draw`: at random in [0, 1), not to be foreseen by a worker that lies only where nobody looks.
         """
@@ -110,7 +110,7 @@ class Auditor:
                 self._waiting.append(key)
 
     def again(self, key: JobKey, worker: str, partial: job_pb2.Partial, live: Collection[str]) -> Finding:
-        """A valid result of a job that was done before. Nobody confirms what it said itself; machines of one
+        """A valid result of a job that was done before. Nobody confirms its own result; machines of one
         token confirm each other where no other token's are `live`."""
         audit = self._open.get(key)
         if audit is None:
@@ -121,7 +121,7 @@ class Auditor:
         author = next(iter(witnesses))
         is_confirmed = False
         if witnesses.setdefault(worker, digest) != digest:
-            finding.liars[worker] = "It sent two different results"
+            finding.mismatching[worker] = "It sent two different results"
         else:
             alike = [other for other, seen in witnesses.items() if seen == digest]
             differing = [other for other in witnesses if other not in alike]
@@ -129,28 +129,28 @@ class Auditor:
             is_confirmed = is_believed and (len(_owners(alike)) > 1 or len(_owners([*alike, *live])) == 1)
             if is_believed:
                 proof = "Its result differs from that of two other workers"
-                finding.liars = dict.fromkeys(differing, proof)
+                finding.mismatching = dict.fromkeys(differing, proof)
         self._differs(audit, finding)
-        for liar in finding.liars:
-            del witnesses[liar]
+        for worker in finding.mismatching:
+            del witnesses[worker]
         if is_confirmed:
             finding.agreed = True
             self.agreed += 1
-        if is_confirmed or author in finding.liars:
-            # Of an author that lied all work is thrown away; who does it again may be audited.
+        if is_confirmed or author in finding.mismatching:
+            # Of an author whose results mismatch all work is thrown away; who does it again may be audited.
             self._close(key)
         else:
             self._ask_again(key, audit)
         return finding
 
     def _differs(self, audit: _Audit, finding: Finding) -> None:
-        if not audit.differs and (finding.liars or len(set(audit.witnesses.values())) > 1):
+        if not audit.differs and (finding.mismatching or len(set(audit.witnesses.values())) > 1):
             audit.differs = True
             self.mismatches += 1
 
     def _ask_again(self, key: JobKey, audit: _Audit) -> None:
         if key in self._alone:
-            # Who did the job has done it again, and nobody else is there yet.
+            # The same worker has done the job again, and no other is there yet.
             return
         if audit.asks < _ASKS or len(set(audit.witnesses.values())) > 1:
             if key not in self._waiting:
@@ -214,8 +214,8 @@ class Auditor:
         return any(key.render_id == render_id for key in self._open)
 
     def only_others_could(self, render_id: str, live: Collection[str]) -> bool:
-        """Whether all open audits of a render wait for somebody to come: who did the work is there, and
-        nobody else ever was."""
+        """Whether all open audits of a render wait for somebody to come: the worker that did the work is
+        there, and no other ever was."""
         return all(
             key in self._alone and not audit.witnesses.keys().isdisjoint(live)
             for key, audit in self._open.items()
@@ -231,7 +231,7 @@ class Auditor:
         ]
 
     def give_up(self, render_id: str) -> list[bytes]:
-        """The render ends, or is let go: what nobody settled is counted, but for what is disputed. Gives
+        """The render ends, or is let go: unsettled audits are counted, except disputed ones. Gives
         entries to delete."""
         keys = [
             key

@@ -10,12 +10,12 @@ from nocturne_coordinator.dispatch.instructions import (
     Acknowledge,
     Commit,
     IsOpen,
-    LetGo,
     Log,
-    LookAgain,
     MakePictures,
     Quarantine,
     RecordError,
+    RefreshRenders,
+    ReleaseLease,
     Steps,
     Withdraw,
     WriteImage,
@@ -24,7 +24,7 @@ from nocturne_coordinator.dispatch.instructions import (
 )
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.state import State
-from nocturne_coordinator.errors import FolderTrouble, LeaseLost
+from nocturne_coordinator.errors import LeaseLost, StoreUnavailable
 
 _PREVIEW_SECONDS = 1.0
 _PREVIEW_SHARE = 0.01
@@ -56,13 +56,13 @@ class Commits:
             yield from self._commit(at)
         except LeaseLost as lost:
             yield from self.lose(lost.render_id)
-        except FolderTrouble as trouble:
+        except StoreUnavailable as trouble:
             yield from self.report(trouble)
             return False
         self._state.folder_trouble = False
         return True
 
-    def report(self, trouble: FolderTrouble) -> Steps[None]:
+    def report(self, trouble: StoreUnavailable) -> Steps[None]:
         """No new jobs from here on until a commit works."""
         self._state.folder_trouble = True
         yield Log(ERROR, f"can't write to the data folder: {trouble}; no new jobs until it works")
@@ -77,19 +77,21 @@ class Commits:
             if (changes := render.changes(at.now, at.unix))
         ]
         # Who has a render now may need a result that is only a duplicate here.
-        fences = {each: state.renders[each].row.fence for each in state.settled if each in state.renders}
+        fences = {
+            each: state.renders[each].row.fence for each in state.to_acknowledge if each in state.renders
+        }
         if changed or fences:
             done: CommitDone = yield Commit(tuple(changes for _, changes in changed), fences)
             for render, _ in changed:
                 state.scheduler.committed(render.id, render.committing)
                 if entries := render.committed():
-                    state.settled.setdefault(render.id, []).extend(entries)
+                    state.to_acknowledge.setdefault(render.id, []).extend(entries)
             for render_id in done.lost:
                 yield from self.lose(render_id)
             at = done.at
-        if settled := [entry for each in state.settled.values() for entry in each]:
-            yield Acknowledge(tuple(settled))
-        state.settled.clear()
+        if to_acknowledge := [entry for each in state.to_acknowledge.values() for entry in each]:
+            yield Acknowledge(tuple(to_acknowledge))
+        state.to_acknowledge.clear()
         yield from self._show(at)
 
     def write_owed(self, at: Moment) -> Steps[None]:
@@ -108,8 +110,8 @@ class Commits:
                             yield Log(ERROR, line)
                             if render_id in renders:
                                 yield from self.drop(render_id)
-                            yield LookAgain()
-        except FolderTrouble as trouble:
+                            yield RefreshRenders()
+        except StoreUnavailable as trouble:
             yield from self.report(trouble)
 
     def lose(self, render_id: str) -> Steps[None]:
@@ -121,11 +123,11 @@ class Commits:
                 WARNING, f"render={render_id} is not ours any more; what was not committed is done again"
             )
             yield from self.drop(render_id, jobs_stay=is_open)
-        results = self._state.settled.pop(render_id, [])
+        results = self._state.to_acknowledge.pop(render_id, [])
         if not is_open and results:
             yield Acknowledge(tuple(results))
         # It may be ours to take again.
-        yield LookAgain()
+        yield RefreshRenders()
 
     def drop(self, render_id: str, jobs_stay: bool = False) -> Steps[None]:
         """Works on the render no more. `jobs_stay`: another coordinator will want its jobs and results."""
@@ -133,13 +135,13 @@ class Commits:
         jobs = [*state.scheduler.remove(render_id), *state.auditor.forget(render_id)]
         state.failure_policy.forget(render_id)
         state.waits_for_audits_since.pop(render_id, None)
-        state.odd_since.pop(render_id, None)
+        state.minority_since.pop(render_id, None)
         render = state.renders.pop(render_id)
         if not jobs_stay:
             if jobs:
                 yield Withdraw(tuple(jobs), stop=True)
-            state.settled.setdefault(render_id, []).extend(render.waiting_entries())
-        state.owed.append(LetGo(render_id, render.row.fence))
+            state.to_acknowledge.setdefault(render_id, []).extend(render.waiting_entries())
+        state.owed.append(ReleaseLease(render_id, render.row.fence))
 
     # --- pictures ---
 

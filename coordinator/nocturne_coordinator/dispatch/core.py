@@ -26,8 +26,8 @@ from nocturne_coordinator.dispatch.instructions import (
     ERROR,
     IsOpen,
     Log,
+    PublishExclusions,
     Steps,
-    TellWorkers,
     Withdraw,
 )
 from nocturne_coordinator.dispatch.result_handler import Outcome, ResultHandler
@@ -89,7 +89,7 @@ class Core:
         while self.state.lost:
             yield from self._follow(self.results.lost_worker(*self.state.lost.pop(), at.now))
         yield from self._admission.load()
-        yield from self._admission.start_odd_ones_anew(at)
+        yield from self._admission.restart_minority_profile_renders(at)
         yield from self._admission.cut_long_ranges()
         yield from self._endings.finish(at)
         state = self.state
@@ -107,21 +107,21 @@ class Core:
             if (yield IsOpen(outcome.unknown_render)):
                 return
             # Ended or cancelled a moment ago, most likely.
-            self.state.settled.setdefault("", []).extend(outcome.settled)
+            self.state.to_acknowledge.setdefault("", []).extend(outcome.to_acknowledge)
             return
-        if outcome.settled:
-            self.state.settled.setdefault(outcome.render_id, []).extend(outcome.settled)
+        if outcome.to_acknowledge:
+            self.state.to_acknowledge.setdefault(outcome.render_id, []).extend(outcome.to_acknowledge)
         if outcome.withdrawn:
             yield Withdraw(tuple(outcome.withdrawn))
         self.state.failed.update(outcome.failed)
         yield from outcome.bundles
         fleet = self.state.fleet
         for each in outcome.quarantined:
-            if each.lied or each.worker not in fleet.quarantined:
+            if each.mismatched or each.worker not in fleet.quarantined:
                 self.state.owed.append(each)
                 fleet.quarantined = {**fleet.quarantined, each.worker: each.reason}
                 yield Log(ERROR, f"worker={each.worker} is in quarantine: {each.reason}")
-                yield TellWorkers(fleet.without_jobs())
+                yield PublishExclusions(fleet.without_jobs())
 
     def validate_state(self) -> None:
         """InvalidState if a range is in two places or in none, or a bound is passed; for tests."""

@@ -8,7 +8,7 @@ from nocturne_coordinator.dispatch.instructions import MakePictures, Steps, With
 from nocturne_coordinator.dispatch.records import RenderState
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.state import State
-from nocturne_coordinator.errors import FolderTrouble, LeaseLost
+from nocturne_coordinator.errors import LeaseLost, StoreUnavailable
 
 _LONELY_SECONDS = 10.0
 """How long audits at the end of a render wait for a worker that could settle them, while there is none."""
@@ -55,14 +55,14 @@ class Endings:
                 yield from self._end_with_image(render, state, reason, at)
         except LeaseLost as lost:
             yield from self._commits.lose(lost.render_id)
-        except FolderTrouble as trouble:
+        except StoreUnavailable as trouble:
             yield from self._commits.report(trouble)
         else:
             self._next_finish = at.now
 
     def _audits_are_done(self, render: RunningRender, now: float) -> bool:
         """Whether no audit of the render is open, or none that others than the audited worker could
-        settle. Where all others are at long jobs it waits no longer than it ran, but for what is disputed.
+        settle. Where all others are at long jobs it waits no longer than it ran, except for disputed ones.
         """
         state = self._state
         if not state.auditor.pending(render.id):

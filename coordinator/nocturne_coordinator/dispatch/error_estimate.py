@@ -26,16 +26,16 @@ class ErrorEstimate:
     """Over pixels, of Y."""
     mean_error: float = 0.0
     """The mean's standard error; see nocturne_scene.uncertainty."""
-    worst_share: float = 0.0
+    top_percent_share: float = 0.0
     """Part of relative_error's square that the worst 1 % of the pixels have, 0 to 1; about 0.03 where noise
     is even."""
-    effective_sample_size_of_pixels: float = 0.0
+    effective_pixels: float = 0.0
     """How many pixels carry it: (sum v)^2 / sum v^2, as Kish's effective sample size; all, where they are
     equal. Where few do, the error is itself known badly: with 1/sqrt of them, relatively."""
     unevenness: float = 0.0
     """See heavy_tails.unevenness."""
     pixels: int = 0
-    unseen_pixels: int = 0
+    zero_pixels: int = 0
     """Pixels in which no sample found light."""
     samples: int = 0
     """Of the pixel that has the fewest."""
@@ -63,7 +63,7 @@ def estimate_error(sums: Sums, counts: Counts, squares: Squares | None = None) -
     y = sums_y / np.maximum(counts, 1)
     mean, samples = float(np.mean(y)), int(counts.min())
     unseen = int(np.count_nonzero(sums_y <= 0.0))
-    known = ErrorEstimate(mean=mean, pixels=y.size, unseen_pixels=unseen, samples=samples)
+    known = ErrorEstimate(mean=mean, pixels=y.size, zero_pixels=unseen, samples=samples)
     if samples:
         known = replace(known, mean_samples=float(y.size / np.sum(1.0 / counts)))
     variances = variance_of_mean(sums_y, squares_y, counts)
@@ -75,8 +75,8 @@ def estimate_error(sums: Sums, counts: Counts, squares: Squares | None = None) -
         known,
         relative_error=float(np.sqrt(total / flat.size)),
         mean_error=uncertainty.mean_y_error(sums_y, variances, counts, squares),
-        worst_share=float(np.sum(_largest(flat, max(1, flat.size // 100)))) / total,
-        effective_sample_size_of_pixels=total * total / float(np.dot(flat, flat)),
+        top_percent_share=float(np.sum(_largest(flat, max(1, flat.size // 100)))) / total,
+        effective_pixels=total * total / float(np.dot(flat, flat)),
         unevenness=unevenness(y, variances),
     )
 

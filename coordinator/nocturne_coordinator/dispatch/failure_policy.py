@@ -139,7 +139,7 @@ class FailurePolicy:
                 guilty.append(failed)
         return guilty
 
-    def lied(self, machine: str, now: float) -> bool:
+    def mismatched(self, machine: str, now: float) -> bool:
         """A machine was found faulty; whether all of its token's are not to be trusted any more."""
         token = token_of(machine)
         if token == machine:

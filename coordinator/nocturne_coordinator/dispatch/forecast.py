@@ -43,20 +43,18 @@ class Forecast:
     """Unix time."""
     cpu_seconds: float = 0.0
     """The total, with the cost so far included."""
-    out_of_reach: str = ""
+    target_unreachable: str = ""
     """Why the error asked for will not be reached in time, a sentence; empty: it will, or who knows."""
 
 
 UNKNOWN = Forecast()
 
 
-def forecast(
-    measured: Measured, stop: StopConditions, now: float, was_out_of_reach: bool = False
-) -> Forecast:
+def forecast(measured: Measured, stop: StopConditions, now: float, was_unreachable: bool = False) -> Forecast:
     """What the first condition to be met promises at `now`, unix time.
 
     The error is taken to fall as one over the root of the samples: the law of independent samples. Scrambled
-    Sobol samples do a little better, so the forecast is on the safe side. `was_out_of_reach`: by the forecast
+    Sobol samples do a little better, so the forecast is on the safe side. `was_unreachable`: by the forecast
     before this one.
     """
     if measured.photons <= 0 or measured.photons_per_second <= 0.0:
@@ -67,7 +65,7 @@ def forecast(
     left = max(0.0, min(last, _error_seconds(measured, stop), *times))
     if not math.isfinite(left):
         return UNKNOWN
-    miss = _miss(measured, stop, times, last, was_out_of_reach) if stop.relative_error else ""
+    miss = _miss(measured, stop, times, last, was_unreachable) if stop.relative_error else ""
     return Forecast(now + left, measured.cpu_seconds + left * cpu_rate, miss)
 
 

@@ -1,7 +1,8 @@
 """What the core tells its shell to do. Pure: values, nothing else.
 
 The shell carries an instruction out before the next event, and gives its answer back. A failure is an
-answer, too: LeaseLost, FolderTrouble and QueueError are raised where the core waits for it (see `core.py`).
+answer, too: LeaseLost, StoreUnavailable and QueueError are raised where the core waits for it
+(see `core.py`).
 """
 
 from collections.abc import Generator, Mapping
@@ -65,7 +66,7 @@ class Acknowledge(Instruction):
 
 
 @dataclass(frozen=True, slots=True)
-class TakeUpStreams(Instruction):
+class RereadResults(Instruction):
     """Before anything else is published, give again what the streams have of a render that others worked on:
     JobsFound, then its results."""
 
@@ -73,7 +74,7 @@ class TakeUpStreams(Instruction):
 
 
 @dataclass(frozen=True, slots=True)
-class TellWorkers(Instruction):
+class PublishExclusions(Instruction):
     """Tell workers that they get no jobs, and why, as long as nothing else is said."""
 
     reasons: Mapping[str, str]
@@ -90,7 +91,7 @@ class IsOpen(Instruction):
 
 
 @dataclass(frozen=True, slots=True)
-class LookAgain(Instruction):
+class RefreshRenders(Instruction):
     """Send RendersSeen soon, though nothing may have changed."""
 
 
@@ -135,7 +136,7 @@ class EndRender(Instruction):
 
 
 @dataclass(frozen=True, slots=True)
-class StartAnew(Instruction):
+class RestartRender(Instruction):
     """Throw away all samples of a render, and its floating-point profile."""
 
     render_id: str
@@ -152,7 +153,7 @@ class Recut(Instruction):
 
 
 @dataclass(frozen=True, slots=True)
-class LetGo(Instruction):
+class ReleaseLease(Instruction):
     """Give the lease of a render back; if that fails, it runs out by itself."""
 
     render_id: str
@@ -162,11 +163,11 @@ class LetGo(Instruction):
 @dataclass(frozen=True, slots=True)
 class Quarantine(Instruction):
     """Note that no result of a worker is taken any more. Answer: ids of the renders whose tiles with its work
-    are thrown away, none unless it `lied`."""
+    are thrown away, none unless it `mismatched`."""
 
     worker: str
     reason: str
-    lied: bool
+    mismatched: bool
 
 
 # --- output ---

@@ -33,7 +33,7 @@ _PHOTON_SLACK = 0.01
 """Squares of photons lose up to 1/256 to rounding."""
 
 
-class RefusedResult(Exception):
+class RejectedResult(Exception):
     """A result must not touch an accumulator; says why."""
 
 
@@ -133,25 +133,25 @@ class PlannedRender:
         )
 
     def find(self, job: job_pb2.Job) -> SampleRange:
-        """The range that the job is for; RefusedResult unless it is, in every field, a job of this render.
+        """The range that the job is for; RejectedResult unless it is, in every field, a job of this render.
 
         But for the floating-point profile, of which the first jobs of a render have none (results tell their
         own), and the bound on processor time, which follows the render's measured costs.
         """
         if job.tile_index >= self.queues:
-            raise RefusedResult(f"tile {job.tile_index} of {self.queues}")
+            raise RejectedResult(f"tile {job.tile_index} of {self.queues}")
         planned = self.ranges_of(job.tile_index).find(job.first_sample, job.end_sample)
         if planned is None:
-            raise RefusedResult(f"samples [{job.first_sample}, {job.end_sample}) are not a planned range")
+            raise RejectedResult(f"samples [{job.first_sample}, {job.end_sample}) are not a planned range")
         asked = self.job(job.tile_index, planned)
         asked.floating_point_profile = job.floating_point_profile
         asked.max_cpu_seconds = job.max_cpu_seconds
         if job != asked:
-            raise RefusedResult("tile, scene, film or engine differ from the schedule")
+            raise RejectedResult("tile, scene, film or engine differ from the schedule")
         return planned
 
     def check_partial(self, partial: job_pb2.Partial, job: job_pb2.Job) -> TileSums | PackedPhotons:
-        """The sums of a partial result of a job that was found; RefusedResult if they can't be."""
+        """The sums of a partial result of a job that was found; RejectedResult if they can't be."""
         if job.photons_by_tiles_of:
             return self._check_photons(partial, job)
         return check_partial(partial, job, self.further, self.photons_per_sample, self.signed)
@@ -164,7 +164,7 @@ class PlannedRender:
         try:
             check_photon_sums(sums.unpacked(), photons)
         except ValueError as error:
-            raise RefusedResult(str(error)) from None
+            raise RejectedResult(str(error)) from None
         return sums
 
 
@@ -188,7 +188,7 @@ def check_partial(
     photons_per_sample: int = 1,
     signed: Sequence[bool] = (),
 ) -> TileSums:
-    """The sums of a partial result of a job; RefusedResult if they can't be."""
+    """The sums of a partial result of a job; RejectedResult if they can't be."""
     pixels = job.tile.width * job.tile.height
     samples = job.end_sample - job.first_sample
     _check_counts(partial, pixels * samples * photons_per_sample)
@@ -196,14 +196,14 @@ def check_partial(
     # Each time that it is asked for is a copy.
     encoded = partial.sums
     if len(encoded) != expected:
-        raise RefusedResult(f"sums of {len(encoded)} bytes; expected {expected}")
+        raise RejectedResult(f"sums of {len(encoded)} bytes; expected {expected}")
     sums = decode(encoded, job.tile.width, job.tile.height, further)
     check_sums(sums, samples, signed)
     return sums
 
 
 def check_sums(sums: TileSums, samples: int, signed: Sequence[bool] = ()) -> None:
-    """RefusedResult if no samples have such sums. `signed`: which further responses may be negative."""
+    """RejectedResult if no samples have such sums. `signed`: which further responses may be negative."""
     height, width = sums.pixels.shape[:2]
     of_pixels = sums.pixels.reshape(height * width, -1)
     of_blocks = sums.block_products.reshape(-1, PRODUCTS)
@@ -233,7 +233,7 @@ def check_sums(sums: TileSums, samples: int, signed: Sequence[bool] = ()) -> Non
     np.multiply(squares[:2], squares[1:], out=bounds[:2])
     np.multiply(squares[0], squares[2], out=bounds[2])
     _check_products(mixed * mixed, bounds, slack=2e-9, least=1e-300)
-    # Values are never negative: products of what n have together are at least the sum of their own.
+    # Values are never negative: products of the totals of n are at least the sum of the n products.
     together = table[3:, pixels:]
     apart = np.empty_like(together)
     apart[:, :-1] = pixels_of_blocks[3:]
@@ -246,7 +246,7 @@ def check_sums(sums: TileSums, samples: int, signed: Sequence[bool] = ()) -> Non
 
 
 def check_photon_sums(sums: TileSums, photons: int) -> None:
-    """RefusedResult if no photons bring such sums of a film; squares are known to eight bits."""
+    """RejectedResult if no photons bring such sums of a film; squares are known to eight bits."""
     pixels = sums.pixels
     for numbers in (pixels, sums.block_products, sums.tile_products):
         _check_range(numbers)
@@ -269,7 +269,7 @@ def _check_range(numbers: Sums) -> None:
     """Sums are 0 or more, and of this world."""
     # With a NaN inside, minimum and maximum are NaN, and compare false.
     if not (numbers.min() >= 0.0 and numbers.max() < _BEYOND_PHYSICS):
-        raise RefusedResult("sums that are negative, not finite or beyond all physics")
+        raise RejectedResult("sums that are negative, not finite or beyond all physics")
 
 
 def _check_further(further: Sums, products: Sums, signed: Sequence[bool]) -> None:
@@ -288,15 +288,15 @@ def _check_further(further: Sums, products: Sums, signed: Sequence[bool]) -> Non
 
 def _check_counts(partial: job_pb2.Partial, photons: int) -> None:
     if partial.photons != photons:
-        raise RefusedResult(f"{partial.photons} photons; expected {photons}")
+        raise RejectedResult(f"{partial.photons} photons; expected {photons}")
     if partial.invalid_samples > photons:
-        raise RefusedResult(f"{partial.invalid_samples} invalid_samples of {photons} photons")
+        raise RejectedResult(f"{partial.invalid_samples} invalid_samples of {photons} photons")
     if partial.truncated_paths > partial.rays:
-        raise RefusedResult(f"{partial.truncated_paths} truncated_paths of {partial.rays} rays")
+        raise RejectedResult(f"{partial.truncated_paths} truncated_paths of {partial.rays} rays")
     if partial.rays > photons * MAX_RAYS_PER_PHOTON:
-        raise RefusedResult(f"{partial.rays} rays for {photons} photons")
+        raise RejectedResult(f"{partial.rays} rays for {photons} photons")
     if not 0.0 <= partial.cpu_seconds < np.inf:
-        raise RefusedResult(f"{partial.cpu_seconds} processor seconds")
+        raise RejectedResult(f"{partial.cpu_seconds} processor seconds")
 
 
 def _check_products(
@@ -308,4 +308,4 @@ def _check_products(
     excess = bound * (times * (1 + slack))
     np.subtract(products, excess, out=excess)
     if not excess.max() <= least:
-        raise RefusedResult("sums of values and of their squares or products that no samples have")
+        raise RejectedResult("sums of values and of their squares or products that no samples have")

@@ -14,7 +14,7 @@ the tile's sums are at hand. More would leave other tiles behind for too long (d
 
 
 class RangeState(IntEnum):
-    """Where a range stands; docs/explanation/queue.md says where its samples are."""
+    """Where a range stands; coordinator/README.md says where its samples are."""
 
     PLANNED = 0
     PUBLISHED = 1

@@ -71,13 +71,13 @@ class ErrorPoint:
     photons: int
     samples: float
     relative_error: float
-    worst_share: float = 0.0
-    effective_sample_size_of_pixels: float = 0.0
+    top_percent_share: float = 0.0
+    effective_pixels: float = 0.0
     mean: float = 0.0
     mean_error: float = 0.0
-    unseen_pixels: int = 0
+    zero_pixels: int = 0
     """See error_estimate.ErrorEstimate."""
-    doubt: str = ""
+    error_warning: str = ""
     """Why the error is not to be trusted; see trust."""
 
 

@@ -8,7 +8,7 @@ from nocturne.v1 import job_pb2
 from nocturne_coordinator.dispatch.failure_policy import PoisonedJob
 from nocturne_coordinator.dispatch.instructions import DEBUG, ERROR, WARNING, Log, Quarantine, WriteBundle
 from nocturne_coordinator.dispatch.merge import MergeResult, RangeSums
-from nocturne_coordinator.dispatch.planned_render import RefusedResult
+from nocturne_coordinator.dispatch.planned_render import RejectedResult
 from nocturne_coordinator.dispatch.profiles import profile_of, refusal_of
 from nocturne_coordinator.dispatch.range_queue import RangeState
 from nocturne_coordinator.dispatch.records import FailedTile
@@ -25,7 +25,7 @@ _MAX_NAME = 256
 class Outcome:
     """The consequences of results that were taken in."""
 
-    settled: list[bytes] = field(default_factory=list)
+    to_acknowledge: list[bytes] = field(default_factory=list)
     """Result entries of no more use, once all that is merged by now is committed."""
     render_id: str = ""
     """The running render that they are of; empty: of none."""
@@ -69,7 +69,7 @@ class ResultHandler:
         if render is None:
             outcome.unknown_render = result.job.render_id[:_MAX_NAME]
             outcome.lines.append(Log(DEBUG, f"render={outcome.unknown_render} is not running here"))
-            outcome.settled.append(entry)
+            outcome.to_acknowledge.append(entry)
             return outcome
         outcome.render_id = render.id
         self._take_for(render, entry, result, now, draw, outcome)
@@ -102,7 +102,7 @@ class ResultHandler:
         worker = machine_of(result.worker_id[:_MAX_NAME])
         try:
             planned = render.planned.find(result.job)
-        except RefusedResult as refusal:
+        except RejectedResult as refusal:
             self._refuse_of(render, entry, f"worker={worker}: {refusal}", outcome)
             return
         key = JobKey(render.id, result.job.tile_index, planned.index)
@@ -123,7 +123,7 @@ class ResultHandler:
             self._refuse_of(render, entry, reason, outcome)
             return
         if result.WhichOneof("outcome") == "failure":
-            outcome.settled.append(entry)
+            outcome.to_acknowledge.append(entry)
             if result.stopped_too_long:
                 self._stopped(render, key, worker, result.failure[:MAX_REASON], now, outcome)
             else:
@@ -132,7 +132,7 @@ class ResultHandler:
         partial = result.partial
         try:
             sums = render.planned.check_partial(partial, result.job)
-        except RefusedResult as refusal:
+        except RejectedResult as refusal:
             self._refuse_of(render, entry, f"worker={worker}: {refusal}", outcome)
             self._fail(render, key, worker, f"worker {worker} sent {refusal}", now, outcome)
             return
@@ -194,13 +194,13 @@ class ResultHandler:
             )
             for guilty in self._state.failure_policy.succeeded(key, offered.worker, now):
                 reason = "It failed at three jobs that other workers could do."
-                outcome.quarantined.append(Quarantine(guilty, reason, lied=False))
+                outcome.quarantined.append(Quarantine(guilty, reason, mismatched=False))
         if verdict in (MergeResult.TOO_EARLY, MergeResult.DUPLICATE):
-            outcome.settled.append(offered.entry)
+            outcome.to_acknowledge.append(offered.entry)
         if released:
             self.merged += len(released)
             if key.tile_index != render.planned.photon_index:
-                outcome.settled.extend(each.entry for each in (*released, *surplus))
+                outcome.to_acknowledge.extend(each.entry for each in (*released, *surplus))
             self._update_scheduler(render, key.tile_index, released[-1].index + 1, outcome)
 
     def _update_scheduler(
@@ -227,13 +227,13 @@ class ResultHandler:
         outcome.withdrawn.extend(finding.withdrawn)
         if finding.agreed:
             render.count_audited()
-        for liar, proof in finding.liars.items():
+        for worker, proof in finding.mismatching.items():
             place = f"tile {key.tile_index}, range {key.range_index} of {render.id}"
             reason = f"{proof}: {place}."
-            outcome.quarantined.append(Quarantine(liar, reason, lied=True))
-            if self._state.failure_policy.lied(liar, now):
+            outcome.quarantined.append(Quarantine(worker, reason, mismatched=True))
+            if self._state.failure_policy.mismatched(worker, now):
                 reason = "Three of its machines were found faulty within a day."
-                outcome.quarantined.append(Quarantine(token_of(liar), reason, lied=False))
+                outcome.quarantined.append(Quarantine(token_of(worker), reason, mismatched=False))
 
     def _fail(
         self,
@@ -264,7 +264,7 @@ class ResultHandler:
     def _fail_tile(self, render: RunningRender, key: JobKey, verdict: PoisonedJob, outcome: Outcome) -> None:
         planned = render.planned.ranges_of(key.tile_index)[key.range_index]
         failed = FailedTile(key.tile_index, planned.first, planned.end, verdict.reason, verdict.workers)
-        outcome.settled.extend(each.entry for each in render.fail_tile(failed))
+        outcome.to_acknowledge.extend(each.entry for each in render.fail_tile(failed))
         scheduler = self._state.scheduler
         outcome.withdrawn.extend(scheduler.finish_tile(render.id, key.tile_index, RangeState.FAILED))
         outcome.bundles.append(WriteBundle(render.id, failed))
@@ -290,7 +290,7 @@ class ResultHandler:
         self.refused += 1
         line = f"result {entry.decode()} refused ({self.refused} so far): {reason}"
         outcome.lines.append(Log(WARNING, line))
-        outcome.settled.append(entry)
+        outcome.to_acknowledge.append(entry)
 
     def _give_back(self, key: JobKey, outcome: Outcome) -> None:
         outcome.withdrawn.extend(self._state.scheduler.returned(key))

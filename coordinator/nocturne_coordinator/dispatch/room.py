@@ -1,4 +1,4 @@
-"""How many renders, and how large films, are at work at once, and what they get of the workers. Pure."""
+"""How many renders, and how large films, are at work at once, and their shares of the workers. Pure."""
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
@@ -17,7 +17,7 @@ class Room:
         self._memory_bytes = memory_bytes
 
     def has(self, row: OpenRender, renders: Sequence[RunningRender], newcomer: bool) -> bool:
-        """Whether there is room for one more beside these; `newcomer`: its owner has none at work."""
+        """Whether there is room for one more next to these; `newcomer`: its owner has none at work."""
         if len(renders) >= limits.MAX_RUNNING + (limits.MAX_NEWCOMERS if newcomer else 0):
             return False
         wanted, most = numbers_of(row.schedule), max_numbers(self._memory_bytes)

@@ -28,7 +28,7 @@ from nocturne_coordinator.dispatch.records import (
     TileRow,
     TileRows,
 )
-from nocturne_coordinator.dispatch.trust import CONFIDENCE, RangeEnd, confirmed, doubt_of, falls
+from nocturne_coordinator.dispatch.trust import CONFIDENCE, RangeEnd, confirmed, error_warning_of, falls
 from nocturne_coordinator.limits import MAX_LOOKED_AT_PIXELS
 
 _RATE_SECONDS = 10.0
@@ -80,7 +80,7 @@ class RunningRender:
         self._is_seen = row.totals.ranges > 0
         self._recent: deque[tuple[float, int]] = deque()
         self._last_rate = 0.0
-        self._is_out_of_reach = False
+        self._is_unreachable = False
         self._history_photons = 0.0
         self._contributors: dict[int, set[str]] = {}
         self._since = now
@@ -148,7 +148,7 @@ class RunningRender:
         self.planned = replace(self.planned, schedule=row.schedule)
         self.failed_tiles = {each.tile_index: each for each in row.failed_tiles}
         self._longest.clear()
-        self._is_out_of_reach = False
+        self._is_unreachable = False
         self.film.replan(self.planned, row.stop)
         for tile_index in self.failed_tiles:
             surplus += self.film.give_up(tile_index)
@@ -265,12 +265,12 @@ class RunningRender:
         return f"{have}, {full} all {last} samples: they do not, or their error is not to be trusted."
 
     def _error_in_words(self) -> str:
-        estimate, doubt = self.estimate, self.doubt
+        estimate, error_warning = self.estimate, self.error_warning
         if estimate.relative_error <= 0.0:
             return "The error is unknown."
         error = f"{estimate.relative_error:.3%}"
-        if doubt:
-            return f"The relative error of {error} is not to be trusted: {doubt}"
+        if error_warning:
+            return f"The relative error of {error} is not to be trusted: {error_warning}"
         interval = CONFIDENCE * estimate.mean_error
         return f"Relative error {error}, mean {estimate.mean:.4g} +- {interval:.2g} (95 %)."
 
@@ -305,8 +305,8 @@ class RunningRender:
             cpu_seconds=self.totals.cpu_seconds,
             ran_seconds=self.ran_seconds(now),
         )
-        found = forecast(measured, self.row.stop, unix_time, self._is_out_of_reach)
-        self._is_out_of_reach = bool(found.out_of_reach)
+        found = forecast(measured, self.row.stop, unix_time, self._is_unreachable)
+        self._is_unreachable = bool(found.target_unreachable)
         return found
 
     def cost(self, tile_index: int, range_index: int) -> float:
@@ -458,12 +458,12 @@ class RunningRender:
             photons=self.totals.photons,
             samples=self.film.mean_samples,
             relative_error=estimate.relative_error,
-            worst_share=estimate.worst_share,
-            effective_sample_size_of_pixels=estimate.effective_sample_size_of_pixels,
+            top_percent_share=estimate.top_percent_share,
+            effective_pixels=estimate.effective_pixels,
             mean=estimate.mean,
             mean_error=estimate.mean_error,
-            unseen_pixels=estimate.unseen_pixels,
-            doubt=self.doubt,
+            zero_pixels=estimate.zero_pixels,
+            error_warning=self.error_warning,
         )
         return point, self._is_for_history(point)
 
@@ -474,9 +474,9 @@ class RunningRender:
         return in_history
 
     @property
-    def doubt(self) -> str:
+    def error_warning(self) -> str:
         """Why the error is not to be trusted, a sentence; empty: it is, as far as is known."""
-        if found := self.image_doubt:
+        if found := self.image_warning:
             return found
         known_twice = self._before.error and self._now.error
         if known_twice and not falls(self._before, self._now):
@@ -484,15 +484,15 @@ class RunningRender:
         return ""
 
     @property
-    def image_doubt(self) -> str:
+    def image_warning(self) -> str:
         """The same from the sums alone, whatever was known before: of equal images it is equal."""
         self._judge()
-        return doubt_of(self.estimate)
+        return error_warning_of(self.estimate)
 
     def judged(self, point: ErrorPoint, estimate: ErrorEstimate) -> tuple[ErrorPoint, bool]:
         """The error was found elsewhere; gives the point to report, and whether it is for the history."""
         self._took(estimate)
-        point = replace(point, doubt=self.doubt)
+        point = replace(point, error_warning=self.error_warning)
         return point, self._is_for_history(point)
 
     def _judge(self) -> None:

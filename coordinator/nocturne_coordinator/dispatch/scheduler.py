@@ -136,7 +136,7 @@ class Scheduler:
         self._outstanding[key].entries.append(entry)
 
     def received(self, key: JobKey, now: float) -> list[bytes]:
-        """A job's result came and is usable; `completed` follows for what it completes. Gives copies to
+        """A job's result came and is usable; `completed` follows for its range. Gives copies to
         delete."""
         if self.state_of(key) not in (RangeState.PLANNED, RangeState.PUBLISHED):
             return []

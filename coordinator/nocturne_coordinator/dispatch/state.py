@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from nocturne_coordinator.dispatch.audit import NEW_SHARE, SHARE, Auditor
 from nocturne_coordinator.dispatch.failure_policy import FailurePolicy
 from nocturne_coordinator.dispatch.fleet import Fleet
-from nocturne_coordinator.dispatch.instructions import LetGo, Quarantine
+from nocturne_coordinator.dispatch.instructions import Quarantine, ReleaseLease
 from nocturne_coordinator.dispatch.job_cost import JOB_SECONDS
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.scheduler import MIN_OVERDUE, JobKey, Scheduler
@@ -41,7 +41,7 @@ class State:
     renders: dict[str, RunningRender] = field(default_factory=dict)
     failure_policy: FailurePolicy = field(default_factory=FailurePolicy)
     fleet: Fleet = field(default_factory=Fleet)
-    settled: dict[str, list[bytes]] = field(default_factory=dict)
+    to_acknowledge: dict[str, list[bytes]] = field(default_factory=dict)
     """Result entries to delete after the next commit, by render; under no render's name, of none."""
     failed: dict[str, str] = field(default_factory=dict)
     """Renders that are to end because too many of their tiles failed, and why."""
@@ -52,11 +52,11 @@ class State:
     """Since when renders wait for nothing else."""
     needs_audits_only: set[str] = field(default_factory=set)
     """Renders that end as soon as their audits, layers and pictures are done: they get no other jobs."""
-    odd_since: dict[str, float] = field(default_factory=dict)
+    minority_since: dict[str, float] = field(default_factory=dict)
     """Renders that most workers can't help with, and since when."""
     folder_trouble: bool = False
     """The last commit failed: no new jobs until one works again, as merged results pile up in Redis."""
-    owed: list[LetGo | Quarantine] = field(default_factory=list)
+    owed: list[ReleaseLease | Quarantine] = field(default_factory=list)
     """Writes to the folder, besides those of sums, that must happen: each stays here until it has worked."""
     next_commit: float = 0.0
 

@@ -44,7 +44,7 @@ def min_samples(pixels: int) -> int:
     return math.ceil(MIN_SAMPLES * max(1.0, MIN_EFFECTIVE_SAMPLE_SIZE / pixels))
 
 
-def doubt_of(estimate: ErrorEstimate) -> str:
+def error_warning_of(estimate: ErrorEstimate) -> str:
     """Why an estimate is not to be trusted, a sentence; empty: it is, as far as one image can tell."""
     if estimate.samples < 2:
         return ""
@@ -55,8 +55,8 @@ def doubt_of(estimate: ErrorEstimate) -> str:
     needed = min_samples(estimate.pixels)
     if estimate.samples < needed:
         return f"{estimate.samples} samples per pixel are too few, {needed} are needed."
-    if estimate.effective_sample_size_of_pixels < min(MIN_EFFECTIVE_SAMPLE_SIZE, _MIN_PART * estimate.pixels):
-        carry = estimate.effective_sample_size_of_pixels
+    if estimate.effective_pixels < min(MIN_EFFECTIVE_SAMPLE_SIZE, _MIN_PART * estimate.pixels):
+        carry = estimate.effective_pixels
         return f"About {carry:.2g} of {estimate.pixels:,} pixels carry the error."
     if estimate.unevenness > HEAVY:
         return "Few bright samples carry the light: neighbouring pixels disagree on how noisy they are."
@@ -76,7 +76,7 @@ class RangeEnd:
     @classmethod
     def of(cls, estimate: ErrorEstimate) -> Self:
         """The larger of the relative error and the 95 % interval of the mean, relative to it."""
-        if doubt_of(estimate) or estimate.relative_error <= 0.0:
+        if error_warning_of(estimate) or estimate.relative_error <= 0.0:
             return cls(estimate.samples)
         mean_error = CONFIDENCE * estimate.mean_error / estimate.mean
         return cls(estimate.samples, max(estimate.relative_error, mean_error), estimate.mean_samples)

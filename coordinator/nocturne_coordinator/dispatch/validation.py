@@ -1,4 +1,4 @@
-"""Whether the core's state is one that may be: the invariants of docs/reliability.md that can be seen in it.
+"""Whether the core's state is one that may be: those invariants of coordinator/README.md that it shows.
 Pure.
 
 Each range has one state (I2), which is the same in the scheduler and in the film (I6); samples, counts and
@@ -81,8 +81,8 @@ def _check_entries(state: State) -> None:
     jobs = Counter([*state.scheduler.entries(), *state.auditor.entries()])
     _require(all(count == 1 for count in jobs.values()), "an entry of two jobs")
     waiting = {entry for render in state.renders.values() for entry in render.waiting_entries()}
-    settled = [entry for entries in state.settled.values() for entry in entries]
-    _require(waiting.isdisjoint(settled), "a result that waits is to be deleted")
+    to_acknowledge = [entry for entries in state.to_acknowledge.values() for entry in entries]
+    _require(waiting.isdisjoint(to_acknowledge), "a result that waits is to be deleted")
 
 
 def _require(true: bool, problem: str) -> None:

@@ -14,12 +14,12 @@ from nocturne_coordinator.dispatch.instructions import (
     IsOpen,
     Log,
     Publish,
+    PublishExclusions,
     Steps,
-    TellWorkers,
     Withdraw,
 )
 from nocturne_coordinator.dispatch.liveness import Sign
-from nocturne_coordinator.dispatch.planned_render import RefusedResult
+from nocturne_coordinator.dispatch.planned_render import RejectedResult
 from nocturne_coordinator.dispatch.range_queue import RangeState
 from nocturne_coordinator.dispatch.scheduler import JobKey
 from nocturne_coordinator.dispatch.state import State
@@ -60,7 +60,7 @@ class Window:
         fleet.jobs_of_others = max(0, event.jobs_waiting - ours)
         state.lost += lost
         state.auditor.look(lambda render: fleet.live(state.renders[render].floating_point_profile))
-        yield TellWorkers(fleet.without_jobs())
+        yield PublishExclusions(fleet.without_jobs())
 
     def emptied(self) -> None:
         """All that was on the stream is to be published again."""
@@ -179,7 +179,7 @@ class Window:
             job = job_pb2.Job.FromString(data)
             render = self._state.renders.get(job.render_id)
             planned = render.planned.find(job) if render else None
-        except (DecodeError, RefusedResult):
+        except (DecodeError, RejectedResult):
             return None
         return JobKey(job.render_id, job.tile_index, planned.index) if planned else None
 

@@ -71,7 +71,7 @@ class Provenance:
     """How all workers rounded."""
     quantity: str = ""
     """What Y measures; see nocturne_scene.quantities."""
-    doubt: str = ""
+    error_warning: str = ""
     """Why the errors are not to be trusted; empty: they are, as far as one image can tell."""
     truncated_paths: int = 0
     """Photons that a limit of the tracer ended, so that their light is missing."""
@@ -202,8 +202,8 @@ def write_image(
     header["nocturne:wavelengths"] = str(provenance.wavelengths)
     header |= _measured(provenance.quantity)
     header |= spectral_attributes(further_responses, quantity_named(provenance.quantity))
-    if provenance.doubt:
-        header["nocturne:errorDoubt"] = provenance.doubt
+    if provenance.error_warning:
+        header["nocturne:errorWarning"] = provenance.error_warning
     if provenance.way:
         header["nocturne:way"] = provenance.way
     header |= header_lines(provenance.warnings)

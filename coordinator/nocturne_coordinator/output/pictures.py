@@ -205,7 +205,7 @@ def provenance_of(render: RunningRender) -> Provenance:
         "" if whole else manifest_text(samples),
         render.floating_point_profile,
         render.planned.schedule.quantity,
-        render.image_doubt,
+        render.image_warning,
         render.totals.truncated_paths,
         render.planned.schedule.way,
         from_messages(render.planned.schedule.warnings),

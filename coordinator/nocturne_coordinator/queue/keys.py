@@ -1,4 +1,4 @@
-"""Every name in Redis; docs/explanation/queue.md says who reads and writes each."""
+"""Every name in Redis; coordinator/README.md says who reads and writes each."""
 
 PREFIX = "nocturne:"
 

@@ -53,7 +53,7 @@ class Commits:
                    audited = ?, unaudited = ?, refused = ?,
                    photons_per_second = iif(state = 'RUNNING', ?, 0), ran_seconds = ?, tiles_done = ?,
                    tiles_failed = ?, predicted_end = ?, predicted_cpu_seconds = ?,
-                   out_of_reach = iif(state = 'RUNNING', ?, ''), floating_point_profile = ?,
+                   target_unreachable = iif(state = 'RUNNING', ?, ''), floating_point_profile = ?,
                    sequence = sequence + 1
                WHERE id = ? AND state IN ('QUEUED', 'RUNNING', 'PAUSED')""",
             (
@@ -73,7 +73,7 @@ class Commits:
                 len(tuple(commit.failed_tiles)),
                 commit.forecast.end,
                 commit.forecast.cpu_seconds,
-                commit.forecast.out_of_reach,
+                commit.forecast.target_unreachable,
                 commit.floating_point_profile,
                 commit.render_id,
             ),
@@ -133,16 +133,17 @@ class Commits:
         """A new preview is in its place; tells watchers, keeps its error. LeaseLost if it is another's."""
         with self._leases.holding(render_id, fence):
             self._database.execute(
-                """UPDATE render SET relative_error = ?, worst_share = ?, effective_pixels = ?, mean = ?,
-                       mean_error = ?, unseen_pixels = ?, doubt = ?, sequence = sequence + 1 WHERE id = ?""",
+                """UPDATE render SET relative_error = ?, top_percent_share = ?, effective_pixels = ?,
+                       mean = ?, mean_error = ?, zero_pixels = ?, error_warning = ?, sequence = sequence + 1
+                   WHERE id = ?""",
                 (
                     point.relative_error,
-                    point.worst_share,
-                    point.effective_sample_size_of_pixels,
+                    point.top_percent_share,
+                    point.effective_pixels,
                     point.mean,
                     point.mean_error,
-                    point.unseen_pixels,
-                    point.doubt,
+                    point.zero_pixels,
+                    point.error_warning,
                     render_id,
                 ),
             )
@@ -155,8 +156,8 @@ class Commits:
                         point.photons,
                         point.samples,
                         point.relative_error,
-                        point.worst_share,
-                        point.effective_sample_size_of_pixels,
+                        point.top_percent_share,
+                        point.effective_pixels,
                     ),
                 )
 
@@ -169,7 +170,7 @@ class Commits:
             changed = self._database.execute(
                 """UPDATE render
                    SET state = ?, reason = ?, ended = ?, image_final = ?, photons_per_second = 0,
-                       predicted_end = 0, predicted_cpu_seconds = cpu_seconds, out_of_reach = '',
+                       predicted_end = 0, predicted_cpu_seconds = cpu_seconds, target_unreachable = '',
                        sequence = sequence + 1
                    WHERE id = ? AND state IN ('QUEUED', 'RUNNING') AND schedule = ? AND stop = ?""",
                 (
@@ -220,7 +221,7 @@ class Commits:
                 """UPDATE render SET floating_point_profile = '', ranges_done = 0, photons = 0, rays = 0,
                        invalid_samples = 0, truncated_paths = 0, photon_bundles = 0, tiles_done = 0,
                        tiles_failed = 0,
-                       relative_error = 0, mean = 0, mean_error = 0, unseen_pixels = 0, doubt = '',
+                       relative_error = 0, mean = 0, mean_error = 0, zero_pixels = 0, error_warning = '',
                        sequence = sequence + 1
                    WHERE id = ?""",
                 (render_id,),

@@ -29,7 +29,7 @@ def log_of(folder: DataFolder, render_id: str) -> str:
     for tile in failed:
         workers = ", ".join(json.loads(tile["workers"]))
         shown.append(f"tile {tile['tile_index']} failed on {workers}: {tile['reason']}")
-    notes = [*(each.sentence for each in render.warnings), render.doubt, render.out_of_reach]
+    notes = [*(each.sentence for each in render.warnings), render.error_warning, render.target_unreachable]
     return "\n".join([*shown, *(f"note: {note}" for note in notes if note), ""])
 
 

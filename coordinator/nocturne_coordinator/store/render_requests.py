@@ -40,7 +40,7 @@ class RenderRequests:
         """
         self._database.execute(
             """UPDATE render SET state = 'CANCELLED', reason = 'Cancelled by request.', ended = ?,
-                   photons_per_second = 0, out_of_reach = '', sequence = sequence + 1
+                   photons_per_second = 0, target_unreachable = '', sequence = sequence + 1
                WHERE id = ? AND state IN ('QUEUED', 'RUNNING', 'PAUSED')""",
             (time.time(), render_id),
         )
@@ -117,8 +117,8 @@ class RenderRequests:
             self._database.execute("DELETE FROM failed_tile WHERE render_id = ?", (render_id,))
             self._database.execute(
                 """UPDATE render SET samples = ?, schedule = ?, stop = ?, ranges_planned = ?, state = ?,
-                    reason = '', ended = 0, image_final = 0, out_of_reach = '', out_of_reach_told = 0,
-                    sequence = sequence + 1 WHERE id = ?""",
+                    reason = '', ended = 0, image_final = 0, target_unreachable = '',
+                    unreachable_reported = 0, sequence = sequence + 1 WHERE id = ?""",
                 (
                     samples,
                     schedule.SerializeToString(deterministic=True),
@@ -170,7 +170,7 @@ class RenderRequests:
         marks = ", ".join("?" * len(of))
         self._database.execute(
             f"""UPDATE render SET state = ?, reason = ?, ended = 0, image_final = 0, photons_per_second = 0,
-                    predicted_end = 0, out_of_reach = '', sequence = sequence + 1
+                    predicted_end = 0, target_unreachable = '', sequence = sequence + 1
                 WHERE id = ? AND state IN ({marks})""",  # noqa: S608
             (to, reason, render_id, *of),
         )

@@ -39,7 +39,7 @@ from nocturne_coordinator.store.tags import SEARCHED, TAGGED, words_of
 
 # Columns that have another name than the field.
 _SELECTED = {
-    "effective_sample_size_of_pixels": "effective_pixels AS effective_sample_size_of_pixels",
+    "effective_pixels": "effective_pixels AS effective_pixels",
     "wavelengths": "schedule AS wavelengths",
 }
 _COLUMNS = ", ".join(_SELECTED.get(field.name, field.name) for field in fields(RenderRow))
@@ -255,8 +255,8 @@ class Renders:
         """One point per preview, oldest first; raises NotFound."""
         self.get(render_id)
         rows = self._database.rows(
-            """SELECT unix_time, photons, samples, relative_error, worst_share,
-                   effective_pixels AS effective_sample_size_of_pixels
+            """SELECT unix_time, photons, samples, relative_error, top_percent_share,
+                   effective_pixels AS effective_pixels
                FROM error_point WHERE render_id = ? ORDER BY unix_time""",
             (render_id,),
         )

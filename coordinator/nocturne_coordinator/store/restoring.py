@@ -22,7 +22,7 @@ from nocturne_scene.tile_sums import decode, numbers_in
 
 from nocturne_coordinator.dispatch.planned_render import (
     PlannedRender,
-    RefusedResult,
+    RejectedResult,
     check_photon_sums,
     check_sums,
 )
@@ -96,7 +96,7 @@ def _damaged_tiles(connection: sqlite3.Connection) -> Iterator[str]:
             planned = PlannedRender(row["id"], schedule, bytes.fromhex(row["scene_sha256"]), row["engine"])
             for tile in connection.execute("SELECT * FROM tile WHERE render_id = ?", (row["id"],)):
                 _check_tile(planned, tile)
-        except (DecodeError, ValueError, IndexError, RefusedResult) as damage:
+        except (DecodeError, ValueError, IndexError, RejectedResult) as damage:
             yield f"render {row['id']}: {damage}"
 
 

@@ -107,13 +107,13 @@ class RenderRow:
     photon_bundles: int
     """Forward photons in separate ranges: among all photons, but no samples of pixels."""
     relative_error: float
-    worst_share: float
-    effective_sample_size_of_pixels: float
+    top_percent_share: float
+    effective_pixels: float
     mean: float
     mean_error: float
-    unseen_pixels: int
+    zero_pixels: int
     """At the last preview; see error_estimate.ErrorEstimate."""
-    doubt: str
+    error_warning: str
     """Why the error is not to be trusted; empty: it is."""
     photons_per_second: float
     cpu_seconds: float
@@ -136,7 +136,7 @@ class RenderRow:
     """Unix time; 0 unknown."""
     predicted_cpu_seconds: float
     """In all; 0 unknown."""
-    out_of_reach: str
+    target_unreachable: str
     """Why the error asked for will not be reached in time, a sentence; empty: it will, or nobody knows."""
     look_first: str
     """JSON of a Region; empty: no part of the film goes first."""

@@ -49,10 +49,10 @@ class WebhookMessage:
     name: str
     state: str
     reason: str
-    doubt: str
+    error_warning: str
     """Why the image's error is not to be trusted; empty: it is."""
     event: str
-    """`out_of_reach`, or empty: the render has ended."""
+    """`target_unreachable`, or empty: the render has ended."""
     unix_time: float
     attempts: int
 
@@ -116,7 +116,7 @@ class Webhooks:
         with self._database.transaction():
             rows = self._database.rows(
                 """SELECT number, webhook_id, owner, url, secret, message_id, render_id, name, state, reason,
-                       doubt, event, unix_time, attempts, min(due) AS first_due
+                       error_warning, event, unix_time, attempts, min(due) AS first_due
                    FROM webhook_message JOIN webhook ON webhook.id = webhook_id
                    WHERE due <= ?1 AND webhook_id NOT IN (SELECT value FROM json_each(?2))
                    GROUP BY webhook_id ORDER BY first_due, number""",

@@ -32,19 +32,19 @@ class WorkerRecords:
         by = {row["worker_id"]: f", by {row['who']}" if row["who"] else "" for row in rows}
         return {worker: f"It is drained{who}." for worker, who in by.items()}
 
-    def quarantine(self, worker_id: str, reason: str, now: float, lied: bool = False) -> list[str]:
+    def quarantine(self, worker_id: str, reason: str, now: float, mismatched: bool = False) -> list[str]:
         """Takes no more results of a worker, until somebody releases it.
 
-        Of one that `lied` all tiles with its work are thrown away; gives their renders. One that had ended
-        is worked on again, until each tile has the samples that it had. Whoever has one of them in memory has
-        lost it.
+        Of one whose results `mismatched` all tiles with its work are thrown away; gives their renders. A
+        render that had ended is worked on again, until each tile has the samples that it had. Whoever has one
+        of them in memory has lost it.
         """
         with self._leases.owned(durable=True):
             if self._database.execute(
                 "INSERT OR IGNORE INTO quarantine VALUES (?, ?, ?)", (worker_id, reason, now)
             ):
                 note_worker(self._database, now, worker_id, "quarantined", reason)
-            return self._distrust(worker_id) if lied else []
+            return self._distrust(worker_id) if mismatched else []
 
     def _distrust(self, worker_id: str) -> list[str]:
         rows = self._database.rows(

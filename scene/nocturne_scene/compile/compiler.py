@@ -45,8 +45,8 @@ from nocturne_scene.render_warnings import RenderWarning, from_messages, of_scen
 # Layouts of CompiledScene; raised with every change that an older worker would misread. The second one is
 # that of scenes whose sensor tells parts of the light, the third of those with a forward_ratio, the
 # fourth of those whose photons are guided, the fifth of those with other wavelengths than 360 to 830 nm, the
-# sixth of those whose photons know the visible sky, the seventh of those whose responses tell light groups
-# apart, or that have rays of files, the eighth of those whose responses tell how light is polarised.
+# sixth of those whose photons know the visible sky, the seventh of those whose responses separate light
+# groups, or that have rays of files, the eighth of those whose responses measure polarisation.
 (
     FORMAT,
     FORMAT_WITH_PARTS,

@@ -98,7 +98,7 @@ def compile_fluorescent(workspace: Workspace, kernel: Lambertian) -> scene_pb2.F
             raise Unusable(str(error), f".fluorescence[{number}]{error.suffix}") from None
         for part in parts:
             taken = taken + part.taken
-            if spectra.is_dark(part.absorption, workspace.wavelengths) or spectra.is_black(part.emission):
+            if any(spectra.is_dark(each, workspace.wavelengths) for each in (part.absorption, part.emission)):
                 continue
             made.fluorophores.add(
                 absorption=workspace.spectra.index_of(part.absorption),
@@ -156,7 +156,7 @@ def _matrix(workspace: Workspace, matrix: Reradiation) -> list[_Part]:
 
 
 def _times_wavelength(wavelengths: Floats, values: Floats) -> float:
-    """The integral of what is linear between knots times wavelength: Simpson's rule is exact."""
+    """The integral of a piecewise linear function times wavelength: Simpson's rule is exact."""
     middle = 0.5 * (wavelengths[1:] + wavelengths[:-1])
     mean = 0.5 * (values[1:] + values[:-1])
     product = wavelengths * values

@@ -1,4 +1,4 @@
-"""Light groups: lights that are told apart by further responses, so that they can be dimmed afterwards."""
+"""Light groups: lights with further responses of each group, so that they can be dimmed afterwards."""
 
 from collections.abc import Iterator
 from functools import cached_property
@@ -44,7 +44,7 @@ class LightGroups:
 
     @property
     def too_many(self) -> str:
-        """Why so many can't be told apart, in words; empty: they can."""
+        """Why there are too many to separate, in words; empty: there are not."""
         count, most = len(self.told_apart), MAX_FURTHER_RESPONSES // len("XYZ")
         if count <= most:
             return ""

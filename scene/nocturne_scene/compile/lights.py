@@ -81,7 +81,7 @@ class Lights:
         return None
 
     def _radiance(self, luminaire: Luminaire) -> tuple[Reference | ColourTexture, str]:
-        """And where it is told: a photometric file's where the document leaves it out."""
+        """And where it stands: in a photometric file where the document leaves it out."""
         if luminaire.radiance is not None:
             return luminaire.radiance, ".radiance"
         assert isinstance(luminaire.profile, PhotometricProfile)  # noqa: S101 - the document was checked

@@ -18,8 +18,8 @@ _STEPS = 360
 
 
 def compile_profile(workspace: Workspace, profile: PhotometricProfile) -> scene_pb2.IntensityProfile:
-    """Return the intensities of a file over its angles, with axes in straight down, plane C0 and what is
-    to the right of that (types_a_and_b.py).
+    """Return the intensities of a file over its angles, with axes straight down, in plane C0 and to
+    the right of that (types_a_and_b.py).
 
     In W sr-1 nm-1 over a radiance of 1 cd/m2: a spectrum of that luminance makes them the file's candelas.
     Raises Unusable.

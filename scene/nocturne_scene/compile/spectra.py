@@ -206,14 +206,14 @@ def is_black(message: scene_pb2.Spectrum) -> bool:
 
 
 def is_dark(message: scene_pb2.Spectrum, within: WavelengthRange) -> bool:
-    """Whether the spectrum is zero all over a range."""
+    """Whether the spectrum has no power within a range; one wavelength at its end is none."""
     if is_black(message):
         return True
     lit = any(line.power and line_spectra.is_within(line, within) for line in message.lines)
     # A table may shine between two whole nm.
     own = knots_of(message)
-    at = np.concatenate([within.grid(), own[(own >= within.first) & (own <= within.last)]])
-    return not lit and not np.any(_table_at(message, at))
+    at = np.union1d(within.grid(), own[(own >= within.first) & (own <= within.last)])
+    return not lit and not np.trapezoid(_table_at(message, at), at) > 0
 
 
 def _factor(wanted: float, found: float) -> float:

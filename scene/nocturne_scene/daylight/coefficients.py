@@ -17,7 +17,7 @@ from nocturne_scene.daylight.year_of_skies import YearOfSkies
 from nocturne_scene.spectra.published import Floats
 
 _SPREAD = 2.0
-"""Of the Sun's light that comes by way of surfaces, in heights of a patch's row to each side."""
+"""Of the Sun's light that comes via surfaces, in heights of a patch's row to each side."""
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Layout:
 
     sky: Patches
     suns: Patches
-    """Finer ones, for the Sun by way of surfaces."""
+    """Finer ones, for the Sun via surfaces."""
 
     def sunny(self, skies: YearOfSkies) -> NDArray[np.intp]:
         """The patches that the Sun is in at some hour of the year, increasing."""
@@ -54,7 +54,7 @@ class Coefficients:
     sky: Floats
     """By batch, point and patch of the sky, lx for cd/m2."""
     reflected: Floats
-    """By batch, point and sunny patch: by any way but straight through windows."""
+    """By batch, point and sunny patch: by all paths but those straight through windows."""
     suns: Floats
     """By batch, point and sunny hour: straight from a Sun of illuminance 1 across its beam."""
     across: Floats
@@ -77,7 +77,7 @@ class Coefficients:
         """How many."""
         return int(self.sky.shape[1])
 
-    def of_points(self, which: slice) -> "Coefficients":
+    def of_points(self, which: slice | NDArray[np.intp]) -> "Coefficients":
         """Those of some points."""
         return Coefficients(
             self.sky[:, which],
@@ -110,3 +110,26 @@ def illuminances(coefficients: Coefficients, skies: YearOfSkies, layout: Layout)
         sun[..., sunny] = coefficients.suns / np.where(white > 0, white, 1.0) * lux
         whole[..., sunny] += reflected * lux + sun[..., sunny]
     return Illuminances(whole, sun)
+
+
+BLINDS_LUX, BLINDS_POINTS = 1000.0, 0.02
+"""IES LM-83-12: blinds are closed in hours in which more than this part of the points has more lux than that
+straight from the Sun."""
+
+
+def hours_of_sun(coefficients: Coefficients, skies: YearOfSkies) -> NDArray[np.bool_]:
+    """In which of the hours with light blinds are closed."""
+    closed = np.zeros(len(skies.hours), dtype=bool)
+    sunny = skies.sunny
+    if len(sunny):
+        white = coefficients.across.mean(axis=0)[:, None]
+        straight = coefficients.suns.mean(axis=0) / np.where(white > 0, white, 1.0)
+        lit = straight * skies.sun_illuminance[sunny] > BLINDS_LUX
+        closed[sunny] = lit.mean(axis=0) > BLINDS_POINTS
+    return closed
+
+
+def with_blinds(opened: Illuminances, closed: Illuminances, hours: NDArray[np.bool_]) -> Illuminances:
+    """Of a room whose blinds are closed in some of the hours. The Sun's own light is that of open blinds: by
+    LM-83-12 sunlight exposure is without them."""
+    return Illuminances(np.where(hours, closed.whole, opened.whole), opened.sun)

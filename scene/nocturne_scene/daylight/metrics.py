@@ -4,6 +4,10 @@ IES LM-83-12: spatial daylight autonomy (sDA300,50%) and annual sunlight exposur
 hours from 8:00 to 18:00. Daylight autonomy and its continuous form: C. Reinhart, J. Mardaljevic, Z. Rogers,
 Leukos 3 (2006) 7. Useful daylight illuminance with its limits of 100, 300 and 3000 lx: J. Mardaljevic and
 others, "Daylighting, artificial lighting and non-visual effects study for a residential building", 2012.
+Simplified daylight glare probability, of an eye that sees no Sun: J. Wienold, "Dynamic simulation of blind
+control strategies for visual comfort and energy balance analysis", Building Simulation 2007. Melanopic
+equivalent daylight illuminance by day of 250 lx or more at the eye: T. Brown and others, PLoS Biology 20
+(2022) e3001571.
 """
 
 from collections.abc import Callable, Iterator
@@ -20,6 +24,11 @@ SDA_HOURS = 0.5
 """Part of the hours at which a point has enough light by itself."""
 ASE_LUX, ASE_HOURS = 1000.0, 250.0
 _USEFUL = (100.0, 300.0, 3000.0)
+_GLARE_BY_LUX, _GLARE_IN_THE_DARK = 6.22e-5, 0.184
+"""DGPs = first x vertical illuminance in lx + second (Wienold 2007)."""
+_GLARE_LIMITS = (0.35, 0.40, 0.45)
+"""Perceptible, disturbing, intolerable (J. Wienold, Building Simulation 2009)."""
+MELANOPIC_LUX = 250.0
 _SURE = 0.95
 GROUPS, GROUPINGS = 8, 4
 """Of batches: with single ones left out, chance would decide which hours cross a limit."""
@@ -92,6 +101,30 @@ class Counting:
             "sun hours": lambda lit: np.count_nonzero(self._of(lit.sun) > ASE_LUX, axis=-1) * 1.0,
             "mean illuminance": lambda lit: self._of(lit.whole).sum(axis=-1) / self.hours,
             "lux hours of the year": lambda lit: lit.whole.sum(axis=-1),
+        }
+
+    def eye_figures(self) -> dict[str, OfPoint]:
+        """Of a vertical plane at an eye: parts of the hours with simplified DGP above limits, and with the
+        Sun in sight, for which DGPs is not made."""
+
+        def above(limit: float) -> OfPoint:
+            lux = (limit - _GLARE_IN_THE_DARK) / _GLARE_BY_LUX
+            return lambda lit: np.count_nonzero(self._of(lit.whole) > lux, axis=-1) / self.hours
+
+        return {
+            **{f"DGPs above {limit:.2f}": above(limit) for limit in _GLARE_LIMITS},
+            "Sun in sight": lambda lit: np.count_nonzero(self._of(lit.sun) > 0.0, axis=-1) / self.hours,
+            "mean illuminance": lambda lit: self._of(lit.whole).sum(axis=-1) / self.hours,
+        }
+
+    def melanopic_figures(self) -> dict[str, OfPoint]:
+        """Of melanopic equivalent daylight illuminances."""
+        enough = MELANOPIC_LUX
+        return {
+            "melanopic EDI": lambda lit: self._of(lit.whole).sum(axis=-1) / self.hours,
+            f"melanopic EDI of {enough:g} lx": lambda lit: (
+                np.count_nonzero(self._of(lit.whole) >= enough, axis=-1) / self.hours
+            ),
         }
 
     def _of(self, lux: Floats) -> Floats:

@@ -17,7 +17,7 @@ _HOURS = (8760, 8784)
 _FIELDS = 16
 """At least: up to the last one that is read."""
 
-# Column (from 0), least and most, what stands for nothing known, and whether that may be.
+# Column (from 0), least and most, the value for "not known", and whether that may be.
 _DEW_POINT = (7, -90.0, 60.0, 99.9)
 _DIRECT = (14, 0.0, 1500.0, 9999.0)
 _DIFFUSE = (15, 0.0, 1500.0, 9999.0)
@@ -25,7 +25,7 @@ _USUAL_DEW_POINT = 11.0
 
 
 class BadWeatherFileError(ValueError):
-    """What is wrong, with line and column."""
+    """The fault, with line and column."""
 
 
 @dataclass(frozen=True)

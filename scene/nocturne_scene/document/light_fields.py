@@ -33,8 +33,8 @@ LightGroup = Annotated[
     AfterValidator(_is_free_name),
     Field(
         default="",
-        description="Lights of one name are told apart from all others: further channels `NAME.X`, `NAME.Y` "
-        "and `NAME.Z` are what they bring, `rest` what lights without a name bring, and `nocturne mix` dims "
+        description="Lights of one name have further channels of their light: `NAME.X`, `NAME.Y` "
+        "and `NAME.Z`; `rest` is the light of those without a name, and `nocturne mix` dims "
         "them afterwards. Default: no name.",
     ),
 ]

@@ -97,7 +97,7 @@ class _Sky(Node):
         return solar_position.sun_at(np.array([day]), where)
 
     def check_sun(self) -> None:
-        """Whether it is said in one way, and by day."""
+        """Whether the Sun is given once, and is up."""
         if length(self.up) < bounds.MIN_LENGTH:
             raise problem_at(".up", "up has no length")
         if self.sun is not None and (self.place is not None or self.time is not None):

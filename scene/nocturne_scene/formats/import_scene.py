@@ -41,12 +41,19 @@ def _gltf(file: Path, writer: SceneWriter, findings: Findings, options: ImportOp
     import_gltf(file, writer, findings, options)
 
 
+def _radiance(file: Path, writer: SceneWriter, findings: Findings, options: ImportOptions) -> None:
+    from nocturne_scene.formats.radiance.read import import_radiance
+
+    import_radiance(file, writer, findings, options)
+
+
 FORMATS: dict[str, Importer] = {
     ".xml": _mitsuba,
     ".pbrt": _pbrt,
     ".pbrt.gz": _pbrt,
     ".gltf": _gltf,
     ".glb": _gltf,
+    ".rad": _radiance,
 }
 """Importers by the end of a file's name."""
 

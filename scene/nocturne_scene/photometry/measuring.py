@@ -39,7 +39,7 @@ class Measured:
     unknown."""
 
     pixels: int
-    unseen_pixels: int
+    zero_pixels: int
     """In which no sample found light."""
     mean: float
     mean_error: float
@@ -227,7 +227,7 @@ _COLUMNS = (
         "minimum_error",
     ),
     *("minimum_x", "minimum_y", "maximum", "maximum_error", "maximum_x", "maximum_y"),
-    *("u0", "u0_error", "ud", "ud_error", "unseen_pixels"),
+    *("u0", "u0_error", "ud", "ud_error", "zero_pixels"),
 )
 
 
@@ -242,7 +242,7 @@ def as_csv(rows: Iterable[tuple[str, Outline, Measured]], quantity: str, unit: s
         numbers = (
             *(found.pixels, found.mean, found.mean_error, low.value, low.standard_error, low.x, low.y),
             *(high.value, high.standard_error, high.x, high.y),
-            *(found.u0, found.u0_error, found.ud, found.ud_error, found.unseen_pixels),
+            *(found.u0, found.u0_error, found.ud, found.ud_error, found.zero_pixels),
         )
         # A name that begins like a formula would be one in a spreadsheet.
         safe = f"'{name}" if name[:1] in "=+-@\t\r" and name else name

@@ -17,7 +17,7 @@ from nocturne_scene.photometry.measuring import (
 from nocturne_scene.photometry.outlines import Outline
 from nocturne_scene.photometry.places import Places
 
-_NUMBERS = ("pixels", "unseen_pixels", "mean", "mean_error", "u0", "u0_error", "ud", "ud_error")
+_NUMBERS = ("pixels", "zero_pixels", "mean", "mean_error", "u0", "u0_error", "ud", "ud_error")
 
 
 def plain(value: Any) -> Any:

@@ -3,7 +3,7 @@
 Noise of S1 and S2 makes sqrt(S1² + S2²) too large. The degree given here is without that from two standard
 errors on, and less of it below (the modified asymptotic estimator of S. Plaszczynski et al., "A novel
 estimator of the polarization amplitude from normally distributed Stokes parameters", MNRAS 439, 2014). Its
-interval holds the degrees by which chance explains what was read (J. F. L. Simmons and B. G. Stewart, "Point
+interval holds the degrees by which chance explains the reading (J. F. L. Simmons and B. G. Stewart, "Point
 and interval estimation of the true unbiased degree of linear polarization", Astronomy and Astrophysics 142,
 1985), with the larger of the errors across and along.
 """

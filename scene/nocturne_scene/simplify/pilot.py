@@ -21,7 +21,7 @@ from nocturne_scene.simplify.simplification import Document, Simplification
 from nocturne_scene.simplify.statistics import (
     Values,
     bias,
-    effective_sample_size_of_pixels,
+    effective_pixels,
     noise,
     ratio_of_costs,
 )
@@ -149,7 +149,7 @@ class Pilot:
             )
             for parts, image, cost in zip(all_models, images, costs, strict=True)
         ]
-        return measured[0], measured[1:], effective_sample_size_of_pixels(images[0])
+        return measured[0], measured[1:], effective_pixels(images[0])
 
 
 def _seeds() -> Iterator[int]:

@@ -61,7 +61,7 @@ class Preflight:
     """Of the chosen model, files by digest."""
     without_effect: list[str]
     """Simplifications that leave the same compiled scene, or none."""
-    effective_sample_size_of_pixels: float
+    effective_pixels: float
     """That carry the full model's noise in the pilot."""
     rare: bool
     """Whether these are so few that nothing is to be trusted."""

@@ -111,7 +111,7 @@ def noise(full: Values, simple: Values) -> float:
     return 0.5 * float(np.mean(squares))
 
 
-def effective_sample_size_of_pixels(full: Values) -> float:
+def effective_pixels(full: Values) -> float:
     """How many pixels carry the noise: its sum's square over the sum of squares. Shape as in `bias`.
 
     Single pixels may have heavy tails as long as many do; where few carry the noise, intervals of sums do not

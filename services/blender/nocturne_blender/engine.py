@@ -106,8 +106,8 @@ class NocturneEngine(bpy.types.RenderEngine):
             self.end_result(result)
         if render["state"] == "FAILED" or render["state"] == "CANCELLED":
             raise ServiceError(f"the render is {render['state'].lower()}: {render['reason']}")
-        if doubt := render["progress"]["doubt"]:
-            self.report({"WARNING"}, f"Its error is not to be trusted: {doubt}")
+        if error_warning := render["progress"]["error_warning"]:
+            self.report({"WARNING"}, f"Its error is not to be trusted: {error_warning}")
 
     def _fetch(self, service: Service, identity: str, film: TiledImage) -> bool:
         """Takes all tiles that changed; tells whether any did."""

@@ -484,7 +484,7 @@ class Client:
                     yield decode(Render, json.loads(event.data))
 
     def _fetch_rest(self, address: str, come: "_Come") -> None:
-        """What has not come of a file; all of it where that is another one by now."""
+        """The rest of a file; all of it where that is another one by now."""
         headers = {"Range": f"bytes={come.size}-", "If-Range": come.etag} if come.size and come.etag else {}
         with self._transport.stream("GET", address, headers=headers) as response:
             if come.size and response.status_code != httpx.codes.PARTIAL_CONTENT:
@@ -510,7 +510,7 @@ class Client:
 
 @dataclass
 class _Come:
-    """What has come of a file by now."""
+    """The part of a file that has come by now."""
 
     file: IO[bytes]
     etag: str = ""

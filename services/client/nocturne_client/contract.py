@@ -104,9 +104,9 @@ class Progress:
     """Root mean square over pixels of Y's standard error relative to Y, sqrt(mean(var / (Y^2 + 0.01 M^2)))
     with M the image's mean Y; 0: unknown.
     """
-    worst_share: float
+    top_percent_share: float
     """Part of the square of relative_error that the worst 1 % of the pixels have; 0: unknown."""
-    effective_sample_size_of_pixels: float
+    effective_pixels: float
     """Effective sample size (Kish) of the pixels that carry the error, (sum v)^2 / sum v^2 of their
     relative variances; 0: unknown.
     """
@@ -114,9 +114,9 @@ class Progress:
     """Mean of Y over pixels, in the render's unit; 0: unknown."""
     mean_error: float
     """Standard error of the mean; its 95 % interval is 1.96 of it to each side."""
-    unseen_pixels: int
+    zero_pixels: int
     """Pixels in which no sample found any light: nothing is known of them but that it is rare."""
-    doubt: str
+    error_warning: str
     """Why relative_error is not to be trusted, a sentence; empty: it is, as far as one image can tell."""
     samples_per_second: float
     """Rate of the last minutes; 0 when nothing comes back."""
@@ -193,7 +193,7 @@ class Render:
     """The group that has to end before it begins; empty: none."""
     tags: list[str]
     """Words to sort renders by."""
-    out_of_reach: str
+    target_unreachable: str
     """Why the error asked for will not be reached before a time ends the render, a sentence, by its rate
     so far; empty: it will, or nobody knows.
     """
@@ -261,7 +261,7 @@ class Reading:
     where errors are well known; null where they are not known.
     """
     pixels: int
-    unseen_pixels: int
+    zero_pixels: int
     """In which no sample found light."""
     samples: int
     """Of all pixels together."""
@@ -345,7 +345,7 @@ class Measurement:
 
     outline: Outline
     pixels: int
-    unseen_pixels: int
+    zero_pixels: int
     """In which no sample found light."""
     mean: float
     mean_error: float | None
@@ -605,9 +605,9 @@ class Pilot:
     """Independent renders of each model."""
     cpu_seconds: float
     """What they took."""
-    wanted_cpu_seconds: float | None
+    recommended_cpu_seconds: float | None
     """A budget that would show biases of half of the target; null: this one does."""
-    effective_sample_size_of_pixels: float
+    effective_pixels: float
     """As in Progress."""
     heavy_tails: bool
     """Rare samples carry the noise: intervals and times are not to be trusted."""

@@ -15,7 +15,7 @@ from nocturne_client.errors import NocturneClientError
 from nocturne_client.scene_files import digest
 
 # Those that name no other files.
-_ALONE = (".glb", ".zip")
+_ALONE = (".glb", ".rad", ".zip")
 # Those that may name others; all of their formats put names into quotes.
 _TEXTS = (".xml", ".pbrt", ".pbrt.gz", ".gltf")
 _QUOTED = [
@@ -34,9 +34,10 @@ _MAX_LOOKED_AT = 200_000
 def files_of_import(scene: Path) -> dict[str, tuple[str, Path]]:
     """The files to upload for an import: SHA-256 and file by the path below the scene's folder.
 
-    A .glb or .zip file alone; with others the files of their folder and of those below whose names stand in
-    quotes in the scene, or in a file of scenes that is named there, and links to files of the folder. Nothing
-    else leaves the machine. Raises NocturneClientError for unreadable files, and for too many.
+    A .glb, .rad or .zip file alone; with others the files of their folder and of those below whose names
+    stand in quotes in the scene, or in a file of scenes that is named there, and links to files of the
+    folder. Nothing else leaves the machine. Raises NocturneClientError for unreadable files, and for too
+    many.
     """
     try:
         if scene.name.lower().endswith(_ALONE):

@@ -45,8 +45,8 @@ def sentence(reading: Reading) -> str:
         for value in (x, z, *further)
     ]
     confidence = "" if y.standard_error is None else " (95 %)"
-    unseen = f"; nothing seen in {reading.unseen_pixels:,} of {reading.pixels:,} pixels"
-    return ", ".join(told) + confidence + (unseen if reading.unseen_pixels else "")
+    unseen = f"; nothing seen in {reading.zero_pixels:,} of {reading.pixels:,} pixels"
+    return ", ".join(told) + confidence + (unseen if reading.zero_pixels else "")
 
 
 def interval(value: float, error: float | None, form: str, factor: float = CONFIDENCE) -> str:

@@ -13,7 +13,7 @@ from nocturne_scene.simplify.statistics import (
     FEW,
     FEWEST,
     bias,
-    effective_sample_size_of_pixels,
+    effective_pixels,
     noise,
     ratio_of_costs,
     resolvable,
@@ -93,7 +93,7 @@ def test_heavy_tails_of_many_pixels_do_no_harm(change: Callable[[Values], Values
     trials, held = 100, 0
     for _ in range(trials):
         hits = (random.random((2, RENDERS, full.size)) < 1 / 3) * 3.0
-        assert effective_sample_size_of_pixels(full * hits[0]) > FEW
+        assert effective_pixels(full * hits[0]) > FEW
         held += local <= bias(full * hits[0], simple * hits[1], 0.95).local.high
     assert held >= _binomial(0.001, trials, 0.975)
 
@@ -102,11 +102,11 @@ def test_a_few_pixels_that_carry_the_noise_are_counted() -> None:
     random = np.random.default_rng(37)
     even = 1 + random.normal(0, 0.1, (RENDERS, PIXELS))
     # Of 28 squared differences of normal noise a pixel's sum varies by a fourth or so, which costs some.
-    assert effective_sample_size_of_pixels(even) > 0.7 * PIXELS
+    assert effective_pixels(even) > 0.7 * PIXELS
     rare = even.copy()
     rare[2, 7] = rare[5, 9] = 1000.0
-    assert effective_sample_size_of_pixels(rare) < 5
-    assert effective_sample_size_of_pixels(np.ones((RENDERS, PIXELS))) == PIXELS
+    assert effective_pixels(rare) < 5
+    assert effective_pixels(np.ones((RENDERS, PIXELS))) == PIXELS
 
 
 def test_noise_is_no_bias() -> None:

@@ -12,7 +12,7 @@ test("a render ends once, and only if it was seen before", () => {
 
 test("a miss is told once, also where it comes and goes", () => {
   const told = new Set<string>();
-  const of = (out_of_reach: string): { id: string; out_of_reach: string } => ({ id: "a", out_of_reach });
+  const of = (target_unreachable: string): { id: string; target_unreachable: string } => ({ id: "a", target_unreachable });
   assert.equal(isNewMiss(told, "RUNNING", of("")), false);
   assert.equal(isNewMiss(told, "RUNNING", of("It will miss.")), true);
   assert.equal(isNewMiss(told, "RUNNING", of("")), false);

@@ -7,8 +7,8 @@ const point = (time_s: number, relative_error: number): ConvergencePoint => ({
   time_s,
   samples: 10 * time_s,
   relative_error,
-  worst_share: 0,
-  effective_sample_size_of_pixels: 0,
+  top_percent_share: 0,
+  effective_pixels: 0,
 });
 
 test("the guide is the error itself where that falls as 1/sqrt(N)", () => {

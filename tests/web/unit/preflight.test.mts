@@ -12,7 +12,7 @@ const model = (without: string[]): PreflightModel => ({
 const preflight = (without: string[], heavy: boolean): PreflightReport => ({
   error: 0.02,
   film: [64, 48],
-  pilot: { film: [64, 48], samples: 16, renders: 4, cpu_seconds: 10, wanted_cpu_seconds: null, effective_sample_size_of_pixels: 1000, heavy_tails: heavy },
+  pilot: { film: [64, 48], samples: 16, renders: 4, cpu_seconds: 10, recommended_cpu_seconds: null, effective_pixels: 1000, heavy_tails: heavy },
   full: model([]),
   models: [],
   chosen: model(without),

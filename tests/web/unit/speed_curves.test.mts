@@ -4,7 +4,7 @@ import type { ConvergencePoint, Render } from "../../../services/web/src/service
 import { chosenOf, curvesOf } from "../../../services/web/src/views/speed_curves.ts";
 
 const render = (id: string, mean_samples: number, cpu_seconds: number, relative_error: number): Render => ({ id, progress: { mean_samples, cpu_seconds, relative_error } }) as Render;
-const point = (samples: number, relative_error: number): ConvergencePoint => ({ time_s: 1, samples, relative_error, worst_share: 0, effective_sample_size_of_pixels: 0 });
+const point = (samples: number, relative_error: number): ConvergencePoint => ({ time_s: 1, samples, relative_error, top_percent_share: 0, effective_pixels: 0 });
 
 test("renders share an axis of processor time, each with points of its own", () => {
   const curves = curvesOf([render("a", 64, 32, 0.1), render("b", 8, 2, 0.3)], [[point(4, 0.4), point(16, 0.2), point(0, 0.9)], [point(4, 0.5)]]);

@@ -12,7 +12,7 @@ function end<Value>(values: readonly Value[]): Value {
 function history(power: number, about: Partial<ConvergencePoint> = {}): ConvergencePoint[] {
   return Array.from({ length: 20 }, (_, i) => {
     const samples = 10 * 1.3 ** i;
-    return { time_s: 2 * samples, samples, relative_error: samples ** power, worst_share: 0.03, effective_sample_size_of_pixels: 8000, ...about };
+    return { time_s: 2 * samples, samples, relative_error: samples ** power, top_percent_share: 0.03, effective_pixels: 8000, ...about };
   });
 }
 

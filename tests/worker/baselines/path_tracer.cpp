@@ -52,9 +52,9 @@ class Path {
     const SurfaceMaterial& material = scene_.materials[hit->surface];
     const bool front = dot(hit->normal, ray_.direction) < 0.0f;
     Shading<1> shading{.wavelengths = start_.wavelengths, .point = {}};
-    const MediumInterface* entered = nullptr;
-    if (material.medium_interface != SurfaceMaterial::kNone) {
-      entered = &scene_.medium_interfaces[material.medium_interface];
+    const Interior* entered = nullptr;
+    if (material.interior != SurfaceMaterial::kNone) {
+      entered = &scene_.interiors[material.interior];
       (front ? shading.index_to : shading.index_from) = entered->index(start_.wavelengths);
       if (!front && entered->absorbs) {
         weight_ *= math::exp(-entered->absorption(start_.wavelengths)[0] * hit->distance);

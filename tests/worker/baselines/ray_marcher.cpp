@@ -62,7 +62,7 @@ class March {
   // f(index, density x extinction at p) for all media there, 1/m.
   template <class F>
   void at(const InteriorList& inside, Vec3 p, const F& f) const {
-    inside.for_each_present(scene_.medium_interfaces, [&](const MediumInterface& body) {
+    inside.for_each_present(scene_.interiors, [&](const Interior& body) {
       for (const std::uint32_t index : body.media) {
         const Medium& medium = scene_.media[index];
         const float density = std::visit(

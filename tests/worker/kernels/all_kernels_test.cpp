@@ -231,9 +231,9 @@ TEST(AllKernels, AGroupIsFourPhotons) {
                 ASSERT_FALSE(own) << named.name;
                 continue;
               }
-              ASSERT_EQ(of_group->together & 1u, 1u);
+              ASSERT_EQ(of_group->coherent & 1u, 1u);
               const Vec3 wi = of_group->wi;
-              if ((of_group->together >> lane & 1u) != 0u) {
+              if ((of_group->coherent >> lane & 1u) != 0u) {
                 ASSERT_TRUE(own) << named.name;
                 ASSERT_EQ(own->wi.x, wi.x) << named.name;
                 ASSERT_EQ(own->wi.y, wi.y);

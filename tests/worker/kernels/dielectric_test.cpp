@@ -70,7 +70,7 @@ TEST(Dielectric, EqualIndicesAreInvisible) {
     const Vec3 wo = direction(77.0, 12.0);
     const auto draw = kernel.sample(wo, {0.0f, 0.3f, 0.6f}, 1);
     EXPECT_TRUE(draw->delta);
-    EXPECT_EQ(draw->together, 15u);
+    EXPECT_EQ(draw->coherent, 15u);
     EXPECT_EQ(draw->wi.x, -wo.x);
     EXPECT_EQ(draw->wi.y, -wo.y);
     EXPECT_EQ(draw->wi.z, -wo.z);
@@ -83,9 +83,9 @@ TEST(Dielectric, RefractionPartsAndReflectionDoesNot) {
   for (const float alpha : {0.0f, 0.2f}) {
     const auto kernel = bound<4>(alpha, 1.0f, to);
     const Vec3 wo = direction(30.0);
-    EXPECT_EQ(kernel.sample(wo, {0.9f, 0.2f, 0.3f}, 0)->together, 0b0101u);
-    EXPECT_EQ(kernel.sample(wo, {0.9f, 0.2f, 0.3f}, 3)->together, 0b1000u);
-    EXPECT_EQ(kernel.sample(wo, {0.001f, 0.2f, 0.3f}, 0)->together, 0b1111u);
+    EXPECT_EQ(kernel.sample(wo, {0.9f, 0.2f, 0.3f}, 0)->coherent, 0b0101u);
+    EXPECT_EQ(kernel.sample(wo, {0.9f, 0.2f, 0.3f}, 3)->coherent, 0b1000u);
+    EXPECT_EQ(kernel.sample(wo, {0.001f, 0.2f, 0.3f}, 0)->coherent, 0b1111u);
   }
 }
 

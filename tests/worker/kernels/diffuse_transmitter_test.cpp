@@ -52,7 +52,7 @@ TEST(DiffuseTransmitter, DrawsCarryBothShares) {
   }
   const auto cosine = test::mean_of(kDraws, [&](std::uint32_t i) {
     const auto draw = kernel.sample(wo, test::kernel_numbers(test::numbers(i, 3)), 0);
-    EXPECT_EQ(draw->together, 15u);
+    EXPECT_EQ(draw->coherent, 15u);
     return std::fabs(static_cast<double>(draw->wi.z));
   });
   EXPECT_NEAR(cosine.value, 2.0 / 3.0, 4.0 * cosine.standard_error);

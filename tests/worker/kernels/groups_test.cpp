@@ -16,10 +16,10 @@ namespace {
 template <int N>
 std::optional<Vec3> drawn_by(std::size_t lane, const BoundDielectric<N>& kernel, Vec3 wo,
                              const KernelNumbers& u) {
-  std::uint32_t left = kAllTogether<N>;
+  std::uint32_t left = kAllCoherent<N>;
   while (left != 0u) {
     const auto draw = kernel.sample(wo, u, static_cast<std::size_t>(std::countr_zero(left)));
-    const std::uint32_t together = draw ? draw->together & left : left;
+    const std::uint32_t together = draw ? draw->coherent & left : left;
     if ((together >> lane & 1u) != 0u) {
       if (!draw || draw->delta) return std::nullopt;  // an end
       return draw->wi;

@@ -245,7 +245,7 @@ TEST(Phase, AGroupNeverParts) {
       EXPECT_NEAR(mean.value, 1.0, 4.0 * mean.standard_error);
       const auto u = test::kernel_numbers(test::numbers(7, 8));
       const auto lead = group.sample(kFrom, u, lane);
-      EXPECT_EQ(lead->together, kAllTogether<4>);
+      EXPECT_EQ(lead->coherent, kAllCoherent<4>);
       EXPECT_EQ(lead->wi.x, group.sample(kFrom, u, 0)->wi.x);
     }
   }

@@ -68,7 +68,7 @@ TEST(ThinPane, DrawsCarryTheShares) {
   for (std::uint32_t i = 0; i < kDraws; ++i) {
     const auto draw = kernel.sample(wo, {(static_cast<float>(i) + 0.5f) / kDraws, 0.0f, 0.0f}, 2);
     ASSERT_TRUE(draw && draw->delta);
-    EXPECT_EQ(draw->together, 15u);
+    EXPECT_EQ(draw->coherent, 15u);
     (draw->wi.z > 0.0f ? reflected : transmitted) += static_cast<double>(draw->factor[1]) / kDraws;
     if (draw->wi.z < 0.0f) {
       EXPECT_EQ(draw->wi.x, -wo.x);

@@ -2,7 +2,7 @@
 // irradiances against answers on paper.
 #include <limits>
 
-#include "luminaires/luminaire_directions.h"
+#include "luminaires/area_light_sampler.h"
 #include "support/chi_square.h"
 #include "support/irradiance.h"
 
@@ -14,7 +14,7 @@ constexpr LightSamplingContext kUp{{0, 0, 0}, {0, 0, 1}};
 
 LightSamplingContext anywhere(Vec3 position) { return {position, {0, 0, 1}, true}; }
 
-void expect_consistent(const LuminaireDirections& directions, const LightSamplingContext& from,
+void expect_consistent(const AreaLightSampler& directions, const LightSamplingContext& from,
                        int parts = 48) {
   test::expect_samples_match_pdf(
       [&](const Uniform4& u) -> std::optional<Vec3> {
@@ -69,10 +69,10 @@ void add_bowl(Elements& e) {
 }
 
 TEST(Elements, TriangleFromAfarAndFromClose) {
-  expect_consistent(LuminaireDirections(one_triangle({4, 0, 5})), anywhere({0.1f, 0.2f, -1.0f}),
+  expect_consistent(AreaLightSampler(one_triangle({4, 0, 5})), anywhere({0.1f, 0.2f, -1.0f}),
                     kFine);
-  expect_consistent(LuminaireDirections(one_triangle()), anywhere({0.1f, 0.2f, -0.3f}));
-  expect_consistent(LuminaireDirections(one_triangle()), anywhere({0.4f, 0.4f, 0.9f}));
+  expect_consistent(AreaLightSampler(one_triangle()), anywhere({0.1f, 0.2f, -0.3f}));
+  expect_consistent(AreaLightSampler(one_triangle()), anywhere({0.4f, 0.4f, 0.9f}));
 }
 
 TEST(Elements, RectangleFromAfarAndFromClose) {
@@ -80,19 +80,19 @@ TEST(Elements, RectangleFromAfarAndFromClose) {
     Elements e;
     add_rectangle(e, z);
     ASSERT_EQ(e.size(), 1u);
-    expect_consistent(LuminaireDirections(e), anywhere({0.3f, 0.2f, 0.0f}));
+    expect_consistent(AreaLightSampler(e), anywhere({0.3f, 0.2f, 0.0f}));
   }
   Elements far;
   add_rectangle(far, 7.0f);
-  expect_consistent(LuminaireDirections(far), anywhere({6.0f, 1.0f, 0.0f}), kFine);
+  expect_consistent(AreaLightSampler(far), anywhere({6.0f, 1.0f, 0.0f}), kFine);
 }
 
 TEST(Elements, SphereFromOutsideAndInside) {
   Elements outside, inside;
   add_sphere(outside, {1.0, 1.0, 1.0, 0.9});
   add_sphere(inside, {0.1, 0.0, 0.0, 2.0});
-  expect_consistent(LuminaireDirections(outside), anywhere({0, 0, 0}));
-  expect_consistent(LuminaireDirections(inside), anywhere({0, 0, 0}));
+  expect_consistent(AreaLightSampler(outside), anywhere({0, 0, 0}));
+  expect_consistent(AreaLightSampler(inside), anywhere({0, 0, 0}));
 }
 
 TEST(Elements, OneBehindAnotherAddUp) {
@@ -101,7 +101,7 @@ TEST(Elements, OneBehindAnotherAddUp) {
   add_rectangle(e, 1.7f, emission(3.0f));
   add_sphere(e, {0.0, 0.0, 4.0, 1.0});
   add_sphere(e, {0.0, -2.0, 0.0, 0.8}, emission(2.0f));
-  const LuminaireDirections directions(e);
+  const AreaLightSampler directions(e);
   expect_consistent(directions, anywhere({0.3f, 0.2f, 0.1f}));
   expect_consistent(directions, {{0.3f, 0.2f, 0.1f}, normalized({1, -2, 1}), false});
 }
@@ -110,10 +110,10 @@ TEST(Elements, ManyUseTheTree) {
   Elements e;
   add_bowl(e);
   add_rectangle(e, 2.5f);
-  const LuminaireDirections directions(e);
+  const AreaLightSampler directions(e);
   expect_consistent(directions, anywhere({0.1f, 0.1f, 0.0f}));
   expect_consistent(directions, {{0.1f, 0.1f, 0.0f}, normalized({1, 0, 0.2f}), false});
-  expect_consistent(LuminaireDirections(e, LightTree::Choice::kWeight),
+  expect_consistent(AreaLightSampler(e, LightTree::Choice::kWeight),
                     {{0.1f, 0.1f, 0.0f}, normalized({1, 0, 0.2f}), false});
 }
 
@@ -137,7 +137,7 @@ TEST(Elements, MovingIsRestAtEveryTime) {
   Elements moving;
   moving.add_triangle(triangle, emission());
   moving.add_sphere(sphere, emission());
-  const LuminaireDirections directions(moving);
+  const AreaLightSampler directions(moving);
   LightSamplingContext from = anywhere({0.1f, 0.2f, -0.3f});
   from.time = 0.75f;
   expect_consistent(directions, from);
@@ -162,7 +162,7 @@ TEST(Elements, NothingToPointAt) {
   e.add_triangle({&line, 1}, emission());
   e.add_parallelogram({&point, 1}, emission());
   add_sphere(e, {0, 0, 1, 0.0});
-  const LuminaireDirections directions(e);
+  const AreaLightSampler directions(e);
   EXPECT_TRUE(directions.empty());
   EXPECT_FALSE(directions.sample(kUp, 0.5f, 0.5f, 0.5f));
   EXPECT_EQ(directions.pdf(kUp, {0, 0, 1}), 0.0f);
@@ -190,7 +190,7 @@ TEST(Elements, OddPositions) {
   add_bowl(e);
   const Corners sliver{Vec3{0, 0, 5}, Vec3{1000, 0, 5}, Vec3{1000, 1e-4f, 5}};
   e.add_triangle({&sliver, 1}, emission());
-  const LuminaireDirections directions(e);
+  const AreaLightSampler directions(e);
   for (const Vec3 p : {Vec3{-1, -1, 1}, Vec3{0, 0, 1}, Vec3{0, 0, 1.0000001f}, Vec3{3, 0, 1},
                        Vec3{0, 0, 3}, Vec3{0, 0, 2}, Vec3{1, 0, 3}, Vec3{0, 0, 5}, Vec3{500, 0, 5},
                        Vec3{1e6f, 1e6f, -1e6f}, Vec3{-1, -1, 1.8f}}) {
@@ -217,7 +217,7 @@ TEST(LightTree, FindsAllOnAHalfLine) {
   Elements e;
   add_bowl(e);
   for (int i = 0; i < 20; ++i) add_sphere(e, {0.2 * i - 2, 0.3, 2.0 + 0.2 * i, 0.3});
-  const LuminaireDirections directions(e);
+  const AreaLightSampler directions(e);
   for (const bool flat : {false, true}) {
     for (std::uint32_t i = 0; i < 3000; ++i) {
       const auto u = test::numbers(i);
@@ -260,11 +260,11 @@ TEST(Irradiance, DiscAndSphere) {
     // Directions of float can't tell where on a lamp below 1e-4 of its distance they point: the
     // density of the fan is that of its rim for some.
     if (c.radius > 1e-5) {
-      test::expect_mean(test::irradiance(LuminaireDirections(disc), kUp, one),
+      test::expect_mean(test::irradiance(AreaLightSampler(disc), kUp, one),
                         std::numbers::pi * r2 / (r2 + d2) * share, 2e-3 * 1e-4 / c.radius + 1e-4);
     }
     add_sphere(ball, {0, 0, c.distance, c.radius}, emission(1.0f, false));
-    const LuminaireDirections directions(ball);
+    const AreaLightSampler directions(ball);
     const double sin2 = r2 / d2;
     const auto on_ball = [&](Vec3 w) {  // what a ray would meet
       const double across2 = static_cast<double>(w.x) * w.x + static_cast<double>(w.y) * w.y;
@@ -289,7 +289,7 @@ TEST(Irradiance, SquareLampFromCloseBy) {
     e.add_parallelogram({&c, 1}, emission(1.0f, false));
     const double x = 0.5 / d, root = std::sqrt(1.0 + x * x);
     const double truth = 4.0 * x / root * std::atan(x / root);  // pi L times the form factor
-    const auto estimate = test::irradiance(LuminaireDirections(e), kUp, [](Vec3) { return 1.0; });
+    const auto estimate = test::irradiance(AreaLightSampler(e), kUp, [](Vec3) { return 1.0; });
     test::expect_mean(estimate, truth, 1e-4);
     const auto by_area = test::estimate(100'000, [&](const Uniform4& u) {
       const double px = u[0] - 0.5, py = u[1] - 0.5, r2 = px * px + py * py + d * d;

@@ -1,10 +1,9 @@
 // All densities of directions towards light together.
-#include "luminaires/light_directions.h"
-
 #include <array>
 #include <cmath>
 #include <limits>
 
+#include "luminaires/light_sampler.h"
 #include "support/chi_square.h"
 #include "support/irradiance.h"
 #include "surfaces/geometry.h"
@@ -35,7 +34,7 @@ std::vector<DistantDisc> suns() {
   return discs;
 }
 
-void expect_consistent(const LightDirections& directions, const LightSamplingContext& from) {
+void expect_consistent(const LightSampler& directions, const LightSamplingContext& from) {
   ASSERT_FALSE(directions.empty());
   test::expect_samples_match_pdf(
       [&](const Uniform4& u) -> std::optional<Vec3> {
@@ -46,10 +45,10 @@ void expect_consistent(const LightDirections& directions, const LightSamplingCon
       [&](Vec3 w) { return directions.pdf(from, w); });
 }
 
-std::optional<LightDirections::LightSample> sample_light(const LightDirections& directions,
-                                                         const LightSamplingContext& from,
-                                                         const Uniform4& u) {
-  LightDirections::LightSample light, in_two_steps;
+std::optional<LightSampler::LightSample> sample_light(const LightSampler& directions,
+                                                      const LightSamplingContext& from,
+                                                      const Uniform4& u) {
+  LightSampler::LightSample light, in_two_steps;
   const bool found = directions.sample_light(from, u[0], u[1], u[2], {}, light);
   const auto begun = directions.begin_light(from, u[0], u[1], u[2]);
   EXPECT_EQ(directions.sample_light(from, u[0], u[1], u[2], begun, in_two_steps), found);
@@ -59,10 +58,10 @@ std::optional<LightDirections::LightSample> sample_light(const LightDirections& 
   return light;
 }
 
-TEST(LightDirections, AllGroupsAndEachMissing) {
+TEST(LightSampler, AllGroupsAndEachMissing) {
   const Vec3 n = normalized({0.2f, 0.1f, 1.0f});
   for (int missing = 0; missing < 5; ++missing) {
-    const LightDirections directions(
+    const LightSampler directions(
         missing == 1 ? Elements{} : lamp(),
         missing == 2 ? std::nullopt : std::make_optional<Environment>(Spectrum(0.5f)),
         missing == 3 ? std::vector<DistantDisc>{} : suns(), missing == 4 ? Elements{} : opening(),
@@ -73,7 +72,7 @@ TEST(LightDirections, AllGroupsAndEachMissing) {
 }
 
 // What a drawn direction shows is what a ray meets there: the nearest lamp, and free up to it.
-TEST(LightDirections, ASampleSeesTheNearestLamp) {
+TEST(LightSampler, ASampleSeesTheNearestLamp) {
   const auto quad = [](float z, float edge) {
     return quad_mesh({-edge, -edge, z}, {0, 2 * edge, 0}, {2 * edge, 0, 0});  // emits down
   };
@@ -90,9 +89,9 @@ TEST(LightDirections, ASampleSeesTheNearestLamp) {
     const std::span<const Vec3> vertices(mesh.vertices);
     elements.add_mesh({&vertices, 1}, mesh.triangles, emission);
   }
-  const LightDirections directions(std::move(elements),
-                                   std::make_optional<Environment>(Spectrum(0.5f)), {}, {},
-                                   {0.6f, 0.4f, 0.0f});
+  const LightSampler directions(std::move(elements),
+                                std::make_optional<Environment>(Spectrum(0.5f)), {}, {},
+                                {0.6f, 0.4f, 0.0f});
   const LightSamplingContext from{{0.1f, -0.2f, 0.0f}, {0, 0, 1}};
   std::array<int, 4> seen{};
   for (std::uint32_t i = 0; i < 20'000; ++i) {
@@ -130,8 +129,8 @@ TEST(LightDirections, ASampleSeesTheNearestLamp) {
   EXPECT_LT(seen[3], 20);
 }
 
-TEST(LightDirections, OneGroupTakesAll) {
-  const LightDirections directions({}, std::nullopt, {}, opening(), {0.5f, 0.5f, 0.1f});
+TEST(LightSampler, OneGroupTakesAll) {
+  const LightSampler directions({}, std::nullopt, {}, opening(), {0.5f, 0.5f, 0.1f});
   const LightSamplingContext from{{0, 0, 0}, {1, 0, 0}};
   for (std::uint32_t i = 0; i < 1000; ++i) {
     const auto u = test::numbers(i);
@@ -140,24 +139,24 @@ TEST(LightDirections, OneGroupTakesAll) {
   ASSERT_TRUE(directions.sample(from, 0x1.fffffep-1f, 0.5f, 0.5f));
 }
 
-TEST(LightDirections, NothingAndNoWeight) {
-  const LightDirections nothing({}, Environment(Spectrum(0.0f)), {}, {}, {1, 1, 1});
-  const LightDirections unwanted(lamp(), Environment(Spectrum(1.0f)), {}, {}, {0, 0, 1});
+TEST(LightSampler, NothingAndNoWeight) {
+  const LightSampler nothing({}, Environment(Spectrum(0.0f)), {}, {}, {1, 1, 1});
+  const LightSampler unwanted(lamp(), Environment(Spectrum(1.0f)), {}, {}, {0, 0, 1});
   const LightSamplingContext from{{0, 0, 0}, {0, 0, 1}};
-  for (const LightDirections* d : {&nothing, &unwanted}) {
+  for (const LightSampler* d : {&nothing, &unwanted}) {
     EXPECT_TRUE(d->empty());
     EXPECT_FALSE(d->sample(from, 0.5f, 0.5f, 0.5f));
     EXPECT_EQ(d->pdf(from, Vec3{0, 0, 1}), 0.0f);
   }
-  EXPECT_THROW(LightDirections({}, std::nullopt, {}, {}, {-1, 0, 0}), std::invalid_argument);
+  EXPECT_THROW(LightSampler({}, std::nullopt, {}, {}, {-1, 0, 0}), std::invalid_argument);
   EXPECT_THROW(
-      LightDirections({}, std::nullopt, {}, {}, {0, std::numeric_limits<float>::quiet_NaN(), 0}),
+      LightSampler({}, std::nullopt, {}, {}, {0, std::numeric_limits<float>::quiet_NaN(), 0}),
       std::invalid_argument);
 }
 
 // Lamp, sun and sky over a floor, none hiding another: irradiances add up, whatever the weights.
 // The lamp is a square in front of the sky: its form factor is four times that of a corner.
-TEST(LightDirections, IrradianceOfAllTogether) {
+TEST(LightSampler, IrradianceOfAllTogether) {
   const DistantDisc sun(normalized({0, 1, 0.4f}), 0.2, Spectrum(3.0f));
   const double cosine = 0.4 / std::sqrt(1.16), x = 1.0 / 1.5, root = std::sqrt(1.0 + x * x);
   const double truth = std::numbers::pi * (0.5 + 3.0 * std::sin(0.2) * std::sin(0.2) * cosine) +
@@ -169,15 +168,14 @@ TEST(LightDirections, IrradianceOfAllTogether) {
   };
   for (const LightWeights& weights :
        {LightWeights{0.5f, 0.4f, 0.1f}, LightWeights{0.1f, 0.8f, 0}}) {
-    const LightDirections directions(lamp(), Environment(Spectrum(0.5f)), {sun}, opening(),
-                                     weights);
+    const LightSampler directions(lamp(), Environment(Spectrum(0.5f)), {sun}, opening(), weights);
     test::expect_mean(test::irradiance(directions, {{0, 0, 0}, {0, 0, 1}}, radiance), truth, 1e-4);
   }
 }
 
 // A point of a lamp lies off its surface by rounding. A direction drawn from there leads to the hit
 // of a ray that leaves the point, never to the point itself.
-TEST(LightDirections, ALampIsNotSeenFromItsOwnPoints) {
+TEST(LightSampler, ALampIsNotSeenFromItsOwnPoints) {
   const Sphere cavity{0.1, -0.2, 0.3, 2.0};
   const TriangleMesh plate =
       quad_mesh({-0.7f, -0.6f, -0.5f}, {1.1f, 0.2f, 0.3f}, {-0.1f, 1.2f, 0.4f});
@@ -187,7 +185,7 @@ TEST(LightDirections, ALampIsNotSeenFromItsOwnPoints) {
   elements.add_sphere({&cavity, 1}, {.radiance = 1.0f, .two_sided = true, .luminaire = 0});
   elements.add_mesh({&vertices, 1}, plate.triangles,
                     {.radiance = 1.0f, .two_sided = true, .luminaire = 1});
-  const LightDirections directions(std::move(elements), std::nullopt, {}, {}, {1.0f, 0.0f, 0.0f});
+  const LightSampler directions(std::move(elements), std::nullopt, {}, {}, {1.0f, 0.0f, 0.0f});
   std::array<int, 2> left{};
   int compared = 0;
   for (std::uint32_t i = 0; i < 20'000; ++i) {

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "luminaires/luminaire_directions.h"
+#include "luminaires/area_light_sampler.h"
 #include "support/chi_square.h"
 #include "support/irradiance.h"
 
@@ -47,7 +47,7 @@ struct ManyLamps {
 TEST(LightTree, TenThousandLamps) {
   const ManyLamps lamps;
   ASSERT_EQ(lamps.elements.size(), ManyLamps::kCount);
-  const LuminaireDirections directions(lamps.elements);
+  const AreaLightSampler directions(lamps.elements);
   const LightTree& tree = directions.tree();
   for (const LightSamplingContext& from :
        {LightSamplingContext{{0, 0, 0}, {0, 0, 1}},

@@ -15,7 +15,7 @@ namespace {
 struct TwoLamps {
   std::vector<Luminaire> luminaires;
   Geometry geometry;
-  LightDirections lights;
+  LightSampler lights;
   PhotonEmitter emitter;
 
   TwoLamps(float ratio, bool weak_first)
@@ -77,7 +77,7 @@ TEST(PhotonEmitter, ASphereInAnInstanceEmitsAsTheEllipsoidThatItIs) {
   luminaires.emplace_back(0u, Colour(Spectrum(1.0f)), false, LambertianProfile{});
   PhotonEmitter emitter;
   emitter.add_sphere(0, luminaires[0], Sphere{0.5, 0.0, 0.25, 1.0}, geometry, 0);
-  const LightDirections lights({}, {}, {}, {}, {});
+  const LightSampler lights({}, {}, {}, {}, {});
   emitter.finish(lights, geometry.bounds());
   constexpr int kSteps = 512;
   double flux = 0.0, of_the_middle = 0.0;
@@ -111,7 +111,7 @@ TEST(PhotonEmitter, ASphereInAnInstanceEmitsAsTheEllipsoidThatItIs) {
 TEST(PhotonEmitter, AnEvenSkySendsPhotonsOfEqualFlux) {
   const std::vector<Luminaire> none;
   const Geometry geometry({quad_mesh({0, 0, 0}, {1, 0, 0}, {0, 1, 0})});
-  const LightDirections lights({}, Environment(Spectrum(2.0f)), {}, {}, {1, 1, 0});
+  const LightSampler lights({}, Environment(Spectrum(2.0f)), {}, {}, {1, 1, 0});
   PhotonEmitter emitter;
   emitter.finish(lights, geometry.bounds());
   // Radiance times all directions times the ball's disc.

@@ -31,7 +31,7 @@ std::optional<Vec3> direction_of(const std::optional<Environment::Drawn>& drawn)
   return drawn->direction;
 }
 
-// As LightDirections asks both.
+// As LightSampler asks both.
 struct Sampled {
   const Environment& environment;
   std::optional<Vec3> sample(const LightSamplingContext& from, float choice, float u1,

@@ -1,10 +1,10 @@
-#include "luminaires/sum_guide.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <random>
 #include <vector>
+
+#include "luminaires/cutpoint_table.h"
 
 namespace nocturne {
 namespace {
@@ -24,11 +24,11 @@ std::vector<std::vector<std::uint64_t>> rows_of(std::uint32_t cells, std::mt1993
   return rows;
 }
 
-TEST(SumGuide, FindsTheLastCellThatBeginsBefore) {
+TEST(CutpointTable, FindsTheLastCellThatBeginsBefore) {
   std::mt19937_64 random(7);
   for (const std::uint32_t cells : {1u, 2u, 3u, 5u, 64u, 1000u}) {
     const auto rows = rows_of(cells, random);
-    SumGuide guide(cells);
+    CutpointTable guide(cells);
     for (const auto& sums : rows) guide.add(sums.data());
     for (std::size_t row = 0; row < rows.size(); ++row) {
       const auto& sums = rows[row];
@@ -42,7 +42,7 @@ TEST(SumGuide, FindsTheLastCellThatBeginsBefore) {
       for (const std::uint64_t target : targets) {
         const auto after = std::upper_bound(sums.begin(), sums.end(), target);
         const auto range = guide.range(row, last, target);
-        EXPECT_EQ(SumGuide::find(range, sums.data(), target), after - sums.begin() - 1);
+        EXPECT_EQ(CutpointTable::find(range, sums.data(), target), after - sums.begin() - 1);
         EXPECT_LE(range.first + range.count, cells);
       }
     }

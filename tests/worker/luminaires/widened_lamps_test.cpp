@@ -14,8 +14,8 @@
 namespace nocturne {
 namespace {
 
-LightDirections directions(Elements elements, std::vector<DistantDisc> discs = {},
-                           std::optional<Environment> environment = {}) {
+LightSampler directions(Elements elements, std::vector<DistantDisc> discs = {},
+                        std::optional<Environment> environment = {}) {
   return {std::move(elements), std::move(environment), std::move(discs), {}, {1.0f, 1.0f, 0.0f}};
 }
 

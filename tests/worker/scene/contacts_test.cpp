@@ -27,11 +27,11 @@ std::vector<std::uint32_t> bodies_on(const Scene& scene, const Ray& ray) {
     auto hit = scene.geometry.intersect(from.ray, 0.0f, from.departure);
     if (!hit) break;
     const Contacts contacts = contacts_of(scene, from.ray, 0.0f, from.departure, *hit);
-    const std::uint32_t body = scene.materials[hit->surface].medium_interface;
+    const std::uint32_t body = scene.materials[hit->surface].interior;
     const Crossing own{body, dot(hit->normal, ray.direction) < 0.0f};
-    inside = cross_boundary(inside, scene.medium_interfaces, own, contacts).beyond;
-    if (inside.current(scene.medium_interfaces) != met.back()) {
-      met.push_back(inside.current(scene.medium_interfaces));
+    inside = cross_boundary(inside, scene.interiors, own, contacts).beyond;
+    if (inside.current(scene.interiors) != met.back()) {
+      met.push_back(inside.current(scene.interiors));
     }
     from = scene.geometry.depart(*hit, ray.direction, 0.0f);
   }

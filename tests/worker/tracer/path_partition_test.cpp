@@ -33,7 +33,7 @@ Transport by_adjoint_walk(const std::string& path) {
     ++interactions;
     near = c == 'L';
   }
-  return brought_by(at_luminaire(ends, interactions, near));
+  return owner_of(at_luminaire(ends, interactions, near));
 }
 
 // As the forward photon knows it when it is connected to the camera from the path's first letter.
@@ -45,7 +45,7 @@ Transport by_forward_walk(const std::string& path) {
   }
   if (path.empty()) return Transport::kAdjoint;
   ends.diffuse_like_at_camera = path[0] == 'D' || path[0] == 'L';
-  return brought_by(ends);
+  return owner_of(ends);
 }
 
 TEST(PathPartition, TruthTable) {

@@ -228,14 +228,14 @@ TEST(PilotOfMethods, ListsWhatIsOpen) {
   given.direction = Direction::kBoth;
   given.aimed_emission = 0.6f;
   const auto count = [&](bool direction, bool aim, bool guide) {
-    return methods_of({direction, aim, guide}, given).size();
+    return methods_of({direction, aim, guide}, given, true).size();
   };
   EXPECT_EQ(count(false, false, false), 1u);
   EXPECT_EQ(count(false, true, true), 2u);
   EXPECT_EQ(count(true, false, false), 2u);
   EXPECT_EQ(count(true, true, false), 3u);
   EXPECT_EQ(count(true, true, true), 6u);
-  EXPECT_EQ(methods_of({true, true, true}, given).front(), kPlain);
+  EXPECT_EQ(methods_of({true, true, true}, given, true).front(), kPlain);
   given.direction = Direction::kForward;
   EXPECT_EQ(count(true, true, true), 4u);
   EXPECT_EQ(count(false, true, true), 1u);
@@ -304,7 +304,7 @@ TEST(Pilot, GuidesPhotonsThatFindTheSameLight) {
   mirror.mutable_roughness()->mutable_alpha_u()->set_constant(0.0);
   mirror.mutable_roughness()->mutable_alpha_v()->set_constant(0.0);
   const auto scene = builder.load();
-  ASSERT_TRUE(scene->occlusion_decides);
+  ASSERT_TRUE(scene->shadow_rays_suffice);
   const Learned learned = learn(*scene, {64, 48}, 1 << 18, 2);
   ASSERT_GT(learned.arrivals.size(), 1000u);
   scene->lights.set_learned(LearnedLight(learned.arrivals));

@@ -55,7 +55,7 @@ struct BoundDielectric {
   std::optional<Draw<N>> sample(Vec3 wo, const KernelNumbers& numbers, std::size_t lead) const {
     const bool delta = roughness.smooth;
     if (passes(ratio[lead])) {
-      return Draw<N>{.wi = -wo, .delta = true, .factor = scale, .together = those([&](float r) {
+      return Draw<N>{.wi = -wo, .delta = true, .factor = scale, .coherent = those([&](float r) {
                                                                   return passes(r);
                                                                 })};
     }
@@ -66,16 +66,16 @@ struct BoundDielectric {
     if (delta && numbers.halves != KernelNumbers::Halves::kNo)
       return half(wo, cosine, numbers, lead);
     if (numbers.part < reflectance(cosine, ratio[lead])) {
-      const auto together =
+      const auto coherent =
           those([&](float r) { return !passes(r) && numbers.part < reflectance(cosine, r); });
       const Vec3 wi = delta ? Vec3{-wo.x, -wo.y, wo.z} : normalized(reflected(wo, h));
-      if (wi.z <= 0.0f) return Draw<N>::ended(together);
-      return Draw<N>{.wi = wi, .delta = delta, .together = together};
+      if (wi.z <= 0.0f) return Draw<N>::ended(coherent);
+      return Draw<N>{.wi = wi, .delta = delta, .coherent = coherent};
     }
-    const auto together = those([&](float r) { return r == ratio[lead]; });
+    const auto coherent = those([&](float r) { return r == ratio[lead]; });
     const Vec3 wi = refracted(wo, h, cosine, ratio[lead]);
-    if (wi.z >= 0.0f) return Draw<N>::ended(together);
-    return Draw<N>{.wi = wi, .delta = delta, .factor = delta ? scale : 1.0f, .together = together};
+    if (wi.z >= 0.0f) return Draw<N>::ended(coherent);
+    return Draw<N>{.wi = wi, .delta = delta, .factor = delta ? scale : 1.0f, .coherent = coherent};
   }
 
   bool smooth() const {
@@ -83,7 +83,7 @@ struct BoundDielectric {
   }
   bool transmits() const { return smooth(); }
 
-  /// Each photon for itself: what is refracted has the facet of its own index.
+  /// Each photon separately: refracted light has the facet of the photon's index.
   Mueller<N> mueller(Vec3 wo, Vec3 wi, std::uint32_t photons) const {
     const bool reflects = wi.z > 0.0f;
     Mueller<N> found;
@@ -132,23 +132,23 @@ struct BoundDielectric {
       return halved && splits[i].mirrors < 1.0f ? 0.5f : splits[i].mirrors;
     };
     const bool mirrored = numbers.part < probability(lead);
-    std::uint32_t together = 0;
+    std::uint32_t coherent = 0;
     for (std::size_t i = 0; i < N; ++i) {
       const bool same = mirrored == (numbers.part < probability(i)) && !passes(ratio[i]) &&
                         (mirrored || ratio[i] == ratio[lead]);
-      together |= same ? 1u << i : 0u;
+      coherent |= same ? 1u << i : 0u;
     }
     const Vec3 wi = !mirrored ? refracted(wo, h, cosine, ratio[lead])
                     : delta   ? Vec3{-wo.x, -wo.y, wo.z}
                               : normalized(reflected(wo, h));
-    if (mirrored ? wi.z <= 0.0f : wi.z >= 0.0f) return Draw<N>::ended(together);
-    if (!delta) return Draw<N>{.wi = wi, .together = together};
+    if (mirrored ? wi.z <= 0.0f : wi.z >= 0.0f) return Draw<N>::ended(coherent);
+    if (!delta) return Draw<N>{.wi = wi, .coherent = coherent};
     Spectral<N> factor = of_each([&](std::size_t i) {
       const float less = mirrored ? splits[i].mirrors : 1.0f - splits[i].mirrors;
       return splits[i].kept * (probability(i) == splits[i].mirrors ? 1.0f : numbers.halved(less));
     });
     if (!mirrored) factor *= scale;
-    return Draw<N>{.wi = wi, .delta = true, .factor = factor, .together = together};
+    return Draw<N>{.wi = wi, .delta = true, .factor = factor, .coherent = coherent};
   }
 
   /// Smooth, half of the photons mirrored; all where they are reflected totally.
@@ -157,7 +157,7 @@ struct BoundDielectric {
     const auto total = [&](float r) { return reflectance(cosine, r) >= 1.0f; };
     const Vec3 mirrored{-wo.x, -wo.y, wo.z};
     if (total(ratio[lead])) {
-      return Draw<N>{.wi = mirrored, .delta = true, .together = those([&](float r) {
+      return Draw<N>{.wi = mirrored, .delta = true, .coherent = those([&](float r) {
                                                       return !passes(r) && total(r);
                                                     })};
     }
@@ -166,13 +166,13 @@ struct BoundDielectric {
           .wi = mirrored,
           .delta = true,
           .factor = each([&](float r) { return numbers.halved(reflectance(cosine, r)); }, ratio),
-          .together = those([&](float r) { return !passes(r) && !total(r); })};
+          .coherent = those([&](float r) { return !passes(r) && !total(r); })};
     }
-    const auto together = those([&](float r) { return r == ratio[lead]; });
+    const auto coherent = those([&](float r) { return r == ratio[lead]; });
     const Vec3 wi = refracted(wo, {0.0f, 0.0f, 1.0f}, cosine, ratio[lead]);
-    if (wi.z >= 0.0f) return Draw<N>::ended(together);
+    if (wi.z >= 0.0f) return Draw<N>::ended(coherent);
     const float less = numbers.halved(1.0f - reflectance(cosine, ratio[lead]));
-    return Draw<N>{.wi = wi, .delta = true, .factor = less * scale, .together = together};
+    return Draw<N>{.wi = wi, .delta = true, .factor = less * scale, .coherent = coherent};
   }
 
   /// Equal indices: no boundary, unless a film is between them. Of a rough one also where the

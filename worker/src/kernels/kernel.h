@@ -57,7 +57,7 @@ struct KernelNumbers {
 };
 
 template <int N>
-inline constexpr std::uint32_t kAllTogether = (1u << N) - 1u;
+inline constexpr std::uint32_t kAllCoherent = (1u << N) - 1u;
 
 template <int N>
 struct Draw {
@@ -66,13 +66,13 @@ struct Draw {
   bool delta = false;
   Spectral<N> factor = 1.0f;
   /// Bit i: photon i would have drawn the same from the same numbers. The others leave the group.
-  std::uint32_t together = kAllTogether<N>;
+  std::uint32_t coherent = kAllCoherent<N>;
   /// Which part of a blend drew.
   std::uint32_t part = 0;
 
   /// Photons that drew nothing while others of the group may draw something: their paths end here.
-  static Draw ended(std::uint32_t together) {
-    return {.wi = {0.0f, 0.0f, 1.0f}, .delta = true, .factor = 0.0f, .together = together};
+  static Draw ended(std::uint32_t coherent) {
+    return {.wi = {0.0f, 0.0f, 1.0f}, .delta = true, .factor = 0.0f, .coherent = coherent};
   }
 };
 
@@ -104,7 +104,7 @@ concept BoundKernel = requires(const B& b, Vec3 wo, Vec3 wi, const KernelNumbers
   { b.transmits() } -> std::same_as<bool>;
 };
 
-/// A bound kernel that answers for value and density together with less work than one by one.
+/// A bound kernel that answers for value and density coherent with less work than one by one.
 template <class B, int N>
 concept EvaluatesTogether = requires(const B& b, Vec3 wo, Vec3 wi) {
   /// The same bits as value and pdf.

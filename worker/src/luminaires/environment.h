@@ -33,9 +33,9 @@ class Environment {
     return map ? map->place_of(direction) : Place{};
   }
   /// The same, where the radiance there will be asked for.
-  Place expect(Vec3 direction) const {
+  Place prefetch(Vec3 direction) const {
     const auto* map = std::get_if<EnvironmentMap>(&radiance_);
-    return map ? map->expect(direction) : Place{};
+    return map ? map->prefetch(direction) : Place{};
   }
 
   template <int N>
@@ -86,13 +86,13 @@ class Environment {
   }
 
   /// A draw whose first half is done; empty where there is no map, or nothing in it.
-  using Draft = EnvironmentMap::Draft;
-  std::optional<Draft> begin(const LightSamplingContext& from, float u1, float u2) const {
+  using PartialSample = EnvironmentMap::PartialSample;
+  std::optional<PartialSample> begin(const LightSamplingContext& from, float u1, float u2) const {
     const auto* map = mean_ > 0.0 ? std::get_if<EnvironmentMap>(&radiance_) : nullptr;
     if (!map) return std::nullopt;
     return map->begin(from, u1, u2);
   }
-  std::optional<Drawn> finish(const LightSamplingContext& from, const Draft& draft) const {
+  std::optional<Drawn> finish(const LightSamplingContext& from, const PartialSample& draft) const {
     return std::get<EnvironmentMap>(radiance_).finish(from, draft);
   }
 

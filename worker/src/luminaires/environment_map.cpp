@@ -159,8 +159,8 @@ std::uint32_t EnvironmentMap::row_at(const Window& w, std::uint64_t target) cons
     return bisect(w.row0, w.row1, target, above);
   }
   const std::uint64_t from_top = target + sums_of_rows_[w.row0];
-  return SumGuide::find(guide_of_rows_.range(0, sums_of_rows_[rows_], from_top),
-                        sums_of_rows_.data(), from_top);
+  return CutpointTable::find(guide_of_rows_.range(0, sums_of_rows_[rows_], from_top),
+                             sums_of_rows_.data(), from_top);
 }
 
 EnvironmentMap::Place EnvironmentMap::place_of(Vec3 direction) const {
@@ -201,9 +201,9 @@ EnvironmentMap::Window EnvironmentMap::window(const LightSamplingContext& from) 
   return window;
 }
 
-EnvironmentMap::Draft EnvironmentMap::begin(const LightSamplingContext& from, float u1,
-                                            float u2) const {
-  Draft draft{};
+EnvironmentMap::PartialSample EnvironmentMap::begin(const LightSamplingContext& from, float u1,
+                                                    float u2) const {
+  PartialSample draft{};
   const Window w = window(from);
   draft.total = weight(w);
   if (draft.total == 0) return draft;
@@ -226,11 +226,11 @@ EnvironmentMap::Draft EnvironmentMap::begin(const LightSamplingContext& from, fl
 }
 
 std::optional<EnvironmentMap::Drawn> EnvironmentMap::finish(const LightSamplingContext& from,
-                                                            const Draft& draft) const {
+                                                            const PartialSample& draft) const {
   if (draft.total == 0) return std::nullopt;
   const std::uint64_t* left = left_of(draft.row);
   const std::uint32_t column =
-      SumGuide::find(draft.columns, left, draft.across.whole + draft.before - draft.around);
+      CutpointTable::find(draft.columns, left, draft.across.whole + draft.before - draft.around);
   const std::uint32_t texel = number({draft.row, column});
   __builtin_prefetch(&texels_[texel]);
   const std::uint64_t share = left[column + 1] - left[column];

@@ -18,8 +18,8 @@
 #include <optional>
 #include <vector>
 
+#include "luminaires/cutpoint_table.h"
 #include "luminaires/light_sampling_context.h"
-#include "luminaires/sum_guide.h"
 #include "spectrum/sigmoid.h"
 #include "spectrum/spectrum.h"
 
@@ -49,7 +49,7 @@ class EnvironmentMap {
   Place place_of(Vec3 direction) const;
   /// The same, whose radiance and density will be asked for: memory is asked for them now, as a map
   /// is larger than most caches.
-  Place expect(Vec3 direction) const {
+  Place prefetch(Vec3 direction) const {
     const Place place = place_of(direction);
     __builtin_prefetch(&texels_[number(place)]);
     __builtin_prefetch(left_of(place.row) + place.column);
@@ -87,16 +87,16 @@ class EnvironmentMap {
     std::uint64_t whole;
   };
   /// Half of a draw, up to where memory must be waited for.
-  struct Draft {
+  struct PartialSample {
     std::uint64_t total;  // of the window; 0: nothing there
     double z;
     std::uint32_t row;
     Target across;
     std::uint64_t before, around;  // that the row's sums differ by
-    SumGuide::Range columns;
+    CutpointTable::Range columns;
   };
-  Draft begin(const LightSamplingContext& from, float u1, float u2) const;
-  std::optional<Drawn> finish(const LightSamplingContext& from, const Draft& draft) const;
+  PartialSample begin(const LightSamplingContext& from, float u1, float u2) const;
+  std::optional<Drawn> finish(const LightSamplingContext& from, const PartialSample& draft) const;
 
   /// Density of `draw`, 1/sr, for a direction in this place.
   float pdf(const LightSamplingContext& from, Vec3 direction, Place place) const;
@@ -140,7 +140,7 @@ class EnvironmentMap {
   std::vector<std::uint64_t> left_;          // rows x (columns + 1)
   std::vector<std::uint64_t> sums_;          // (rows + 1) x (strips + 1)
   std::vector<std::uint64_t> sums_of_rows_;  // rows + 1: all above
-  SumGuide guide_of_columns_, guide_of_rows_;
+  CutpointTable guide_of_columns_, guide_of_rows_;
 };
 
 }  // namespace nocturne

@@ -76,7 +76,7 @@ void PhotonEmitter::add_sphere(std::uint32_t luminaire, const Luminaire& what, c
   add({luminaire, static_cast<float>(area), {}, sphere, {instance, 0}}, what);
 }
 
-void PhotonEmitter::finish(const LightDirections& lights, Geometry::Ball bounds) {
+void PhotonEmitter::finish(const LightSampler& lights, Geometry::Ball bounds) {
   distant_start_ = DistantStart(lights.important().elements());
   for (const RaySet& rays : rays_) fluxes_.push_back(rays.mean_flux());
   const double disc_area = std::numbers::pi * bounds.radius * bounds.radius;
@@ -99,7 +99,7 @@ void PhotonEmitter::finish(const LightDirections& lights, Geometry::Ball bounds)
 }
 
 std::optional<PhotonEmitter::Leaving> PhotonEmitter::leave(const LightSamplingContext& from,
-                                                           const LuminaireDirections& important,
+                                                           const AreaLightSampler& important,
                                                            float aimed, const Uniform4& u) {
   Vec3 direction;
   float drawn_pdf = 0.0f;

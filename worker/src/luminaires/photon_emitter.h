@@ -12,7 +12,7 @@
 #include "luminaires/distant_disc.h"
 #include "luminaires/distant_start.h"
 #include "luminaires/environment.h"
-#include "luminaires/light_directions.h"
+#include "luminaires/light_sampler.h"
 #include "luminaires/luminaire.h"
 #include "luminaires/ray_set.h"
 #include "sampling/sequence.h"
@@ -56,17 +56,16 @@ class PhotonEmitter {
   void add_rays(RaySet rays) { rays_.push_back(std::move(rays)); }
   /// After the last element and set of rays. `bounds` is about as large as what distant light is
   /// emitted towards.
-  void finish(const LightDirections& lights, Geometry::Ball bounds);
+  void finish(const LightSampler& lights, Geometry::Ball bounds);
 
   /// Time in [0, 1]; eight uniform numbers. The part `aimed` of the photons, in [0, 1), is
   /// drawn towards the important shapes of `lights`, and all carry what that changes. `lit` holds
   /// all that photons are to reach: distant light is emitted from a disc of its size, outside it.
   /// Empty where nothing is emitted from the drawn place.
   template <int N>
-  std::optional<Emitted<N>> emit(std::span<const Luminaire> luminaires,
-                                 const LightDirections& lights, const Geometry& geometry,
-                                 const Geometry::Ball& lit, float aimed, float time,
-                                 const Spectral<N>& wavelengths_nm, const Uniform4& a,
+  std::optional<Emitted<N>> emit(std::span<const Luminaire> luminaires, const LightSampler& lights,
+                                 const Geometry& geometry, const Geometry::Ball& lit, float aimed,
+                                 float time, const Spectral<N>& wavelengths_nm, const Uniform4& a,
                                  const Uniform4& b) const {
     if (cumulative_.empty()) return std::nullopt;
     const auto [chosen, probability, rest] = choose(a[2], a[3]);
@@ -124,7 +123,7 @@ class PhotonEmitter {
   };
   /// As a Lambertian surface emits, or towards an important shape; by the density of both.
   static std::optional<Leaving> leave(const LightSamplingContext& from,
-                                      const LuminaireDirections& important, float aimed,
+                                      const AreaLightSampler& important, float aimed,
                                       const Uniform4& u);
 
   struct Choice {

@@ -1,6 +1,6 @@
 // The sky in patches (P. Tregenza, "Subdivision of the sky hemisphere for luminance measurements",
 // Lighting Research and Technology 19 (1987) 13), and these divided again (C. Reinhart): rows of
-// equal height around the zenith, which is a patch of its own.
+// equal height around the zenith, which is a separate patch.
 #pragma once
 
 #include <algorithm>

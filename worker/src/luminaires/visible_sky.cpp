@@ -9,7 +9,7 @@
 namespace nocturne {
 namespace {
 
-/// What a sighting counts in the bin beside its own, and across a corner: bins are as wide as few
+/// Weight of a sighting in the bin next to its own, and across a corner: bins are as wide as few
 /// sightings are apart.
 constexpr double kBeside = 0.25, kAcross = 0.1;
 

@@ -31,7 +31,7 @@ class VisibleSky {
   static constexpr std::uint32_t kNone = ~0u;
   static constexpr std::size_t kMaxSightings = 1u << 16;
   /// Part of the directions to the environment that is drawn from here; the rest limits the
-  /// variance where what was learned is wrong to 1 / (1 - kPart) of what it was.
+  /// variance where the learned sky is wrong to 1 / (1 - kPart) of the former.
   static constexpr float kPart = 0.5f;
 
   VisibleSky() = default;

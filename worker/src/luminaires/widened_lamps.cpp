@@ -24,7 +24,7 @@ float mean_of(const Radiance& radiance) {
 
 }  // namespace
 
-WidenedLamps::WidenedLamps(const LightDirections& lights, std::span<const Luminaire> luminaires,
+WidenedLamps::WidenedLamps(const LightSampler& lights, std::span<const Luminaire> luminaires,
                            float least) {
   for (const DistantDisc& disc : lights.discs()) {
     const float radiance = mean_of(

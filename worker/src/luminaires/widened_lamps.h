@@ -13,7 +13,7 @@
 #include <span>
 #include <vector>
 
-#include "luminaires/light_directions.h"
+#include "luminaires/light_sampler.h"
 #include "luminaires/luminaire.h"
 #include "math/constants.h"
 
@@ -24,7 +24,7 @@ class WidenedLamps {
   /// None.
   WidenedLamps() = default;
   /// Those of a radiance of `least` or more, W m-2 sr-1 nm-1, the Sun in a picture of the sky too.
-  WidenedLamps(const LightDirections& lights, std::span<const Luminaire> luminaires, float least);
+  WidenedLamps(const LightSampler& lights, std::span<const Luminaire> luminaires, float least);
 
   bool empty() const { return discs_.empty() && sky_.empty() && elements_.empty(); }
 

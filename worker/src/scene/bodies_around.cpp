@@ -16,7 +16,7 @@ namespace {
 
 InteriorList left_by(const Bodies& bodies, DepartingRay from, float time) {
   constexpr int kMaxSurfaces = 10'000;
-  const auto& [geometry, materials, medium_interfaces, everywhere] = bodies;
+  const auto& [geometry, materials, interiors, everywhere] = bodies;
   const Vec3 direction = from.ray.direction;
   std::vector<std::uint32_t> entered, left;
   const auto cross = [&](const Crossing& crossing) {
@@ -33,10 +33,10 @@ InteriorList left_by(const Bodies& bodies, DepartingRay from, float time) {
     auto hit = geometry.intersect(from.ray, time, from.departure);
     if (!hit) break;
     const Contacts contacts =
-        contacts_of(geometry, materials, medium_interfaces, from.ray, time, from.departure, *hit);
+        contacts_of(geometry, materials, interiors, from.ray, time, from.departure, *hit);
     from = geometry.depart(*hit, direction, time);
     std::ranges::for_each(contacts, cross);
-    const std::uint32_t body = materials[hit->surface].medium_interface;
+    const std::uint32_t body = materials[hit->surface].interior;
     if (body != SurfaceMaterial::kNone) cross({body, dot(hit->normal, direction) < 0.0f});
   }
   InteriorList inside = everywhere;
@@ -48,7 +48,7 @@ InteriorList left_by(const Bodies& bodies, DepartingRay from, float time) {
 Vec3 a_direction() { return normalized(Vec3{0.5317f, 0.7621f, 0.3694f}); }
 
 Bodies bodies_of(const Scene& scene) {
-  return {scene.geometry, scene.materials, scene.medium_interfaces, scene.everywhere};
+  return {scene.geometry, scene.materials, scene.interiors, scene.everywhere};
 }
 
 // A point of a surface at the first time, as if it had been hit.
@@ -193,7 +193,7 @@ bool any_boundary_crosses(const Bodies& bodies, std::span<const std::uint32_t> g
                           const std::vector<Box>& boxes, std::uint32_t but_surface) {
   const auto shapes = bodies.geometry.shapes();
   for (std::uint32_t i = 0; i < shapes.size(); ++i) {
-    if (i == but_surface || bodies.materials[i].medium_interface == SurfaceMaterial::kNone) {
+    if (i == but_surface || bodies.materials[i].interior == SurfaceMaterial::kNone) {
       continue;
     }
     bool found = false;
@@ -237,7 +237,7 @@ InteriorList bodies_around(const Bodies& bodies, const Hit& on, Vec3 towards, fl
 SensorSurroundings sensor_surroundings(const Bodies& bodies, std::span<const std::uint32_t> groups,
                                        const Sensor& sensor, Vec3 start) {
   SensorSurroundings around{bodies_around(bodies, start, 0.0f), false};
-  if (!bodies.medium_interfaces.empty()) {
+  if (!bodies.interiors.empty()) {
     around.differ = any_boundary_crosses(bodies, groups, boxes_of_starts(sensor), ~0u);
   }
   return around;
@@ -249,7 +249,7 @@ std::vector<LuminaireSurroundings> luminaire_surroundings(
   std::vector<LuminaireSurroundings> all;
   for (const Luminaire& luminaire : luminaires) {
     LuminaireSurroundings& around = all.emplace_back();
-    if (bodies.medium_interfaces.empty()) continue;
+    if (bodies.interiors.empty()) continue;
     const std::uint32_t surface = luminaire.surface, group = groups[surface];
     const Shape& shape = bodies.geometry.shapes()[surface];
     bool first = true;
@@ -265,7 +265,7 @@ std::vector<LuminaireSurroundings> luminaire_surroundings(
       }
       // Several of what bounds a body itself may overlap.
       around.differ = around.differ || !(around.in_front == in_front && around.behind == behind) ||
-                      bodies.materials[surface].medium_interface != SurfaceMaterial::kNone;
+                      bodies.materials[surface].interior != SurfaceMaterial::kNone;
     });
     around.differ = around.differ ||
                     any_boundary_crosses(bodies, groups, boxes_of(bodies, shape, group), surface);
@@ -274,7 +274,7 @@ std::vector<LuminaireSurroundings> luminaire_surroundings(
 }
 
 InteriorList bodies_at_sensor(const Scene& scene, Film film, Vec3 start, float time) {
-  const bool too_wide = film.width > kMaxAspect * film.height && !scene.medium_interfaces.empty();
+  const bool too_wide = film.width > kMaxAspect * film.height && !scene.interiors.empty();
   if (!scene.sensor_around.differ && !too_wide) return scene.sensor_around.inside;
   return bodies_around(bodies_of(scene), start, time);
 }

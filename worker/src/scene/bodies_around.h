@@ -17,7 +17,7 @@ namespace nocturne {
 struct Bodies {
   const Geometry& geometry;
   std::span<const SurfaceMaterial> materials;
-  std::span<const MediumInterface> medium_interfaces;
+  std::span<const Interior> interiors;
   const InteriorList& everywhere;
 };
 

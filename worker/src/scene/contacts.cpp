@@ -109,7 +109,7 @@ bool any_part_reaches(const Shape& shape, const Extent& whole, const Extent& oth
 }
 
 bool is_body(const SurfaceMaterial& material) {
-  return material.medium_interface != SurfaceMaterial::kNone;
+  return material.interior != SurfaceMaterial::kNone;
 }
 
 // Photons may be on both sides.
@@ -120,8 +120,7 @@ bool is_passed(const SurfaceMaterial& material) { return is_body(material) || ma
 std::vector<CloseSurface> find_close(const Geometry& geometry,
                                      std::span<const std::uint32_t> groups,
                                      const std::vector<SurfaceMaterial>& materials,
-                                     std::span<const MediumInterface> medium_interfaces,
-                                     float longest_view) {
+                                     std::span<const Interior> interiors, float longest_view) {
   const std::size_t surfaces = geometry.shapes().size();
   std::vector<CloseSurface> close(surfaces);
   for (std::size_t i = 0; i < surfaces; ++i) {
@@ -147,8 +146,7 @@ std::vector<CloseSurface> find_close(const Geometry& geometry,
   };
   for (std::size_t i = 0; i < surfaces; ++i) {
     if (!is_passed(materials[i])) continue;
-    const bool media =
-        close[i].body && !medium_interfaces[materials[i].medium_interface].media.empty();
+    const bool media = close[i].body && !interiors[materials[i].interior].media.empty();
     const double thin = (media ? kThinMedium : 2.0) * extents[i].clearance + seen_from;
     // A group that is placed more than once may touch itself.
     if (groups[i] != 0 || may_be_thin(geometry.shapes()[i], thin)) set(i);
@@ -162,8 +160,8 @@ std::vector<CloseSurface> find_close(const Geometry& geometry,
 }
 
 Contacts search_contacts(const Geometry& geometry, std::span<const SurfaceMaterial> materials,
-                         std::span<const MediumInterface> medium_interfaces, const Ray& ray,
-                         float time, const Departure& departure, Hit& hit) {
+                         std::span<const Interior> interiors, const Ray& ray, float time,
+                         const Departure& departure, Hit& hit) {
   std::array<NearCrossing, kMaxNear> near;
   const float cosine = std::max(kMinCosine, std::fabs(dot(hit.normal, ray.direction)));
   const float reach = (geometry.close(hit.surface).reach + kClearanceUnits * hit.distance) / cosine;
@@ -175,9 +173,9 @@ Contacts search_contacts(const Geometry& geometry, std::span<const SurfaceMateri
   const auto order = [&](const Hit& h) {
     const SurfaceMaterial& material = materials[h.surface];
     const bool body = is_body(material);
-    const bool dielectric = body && !medium_interfaces[material.medium_interface].index_matched;
+    const bool dielectric = body && !interiors[material.interior].index_matched;
     const int kind = !body ? 0 : dielectric ? 1 : 2;
-    const std::int64_t priority = body ? medium_interfaces[material.medium_interface].priority : 0;
+    const std::int64_t priority = body ? interiors[material.interior].priority : 0;
     return std::tuple(kind, -priority, h.surface, h.instance, h.primitive);
   };
   const auto touching = std::span(near).first(count);
@@ -186,11 +184,11 @@ Contacts search_contacts(const Geometry& geometry, std::span<const SurfaceMateri
     if (each.touches_first && order(each.hit) < order(hit)) hit = each.hit;
   }
   const auto cross = [&](const NearCrossing& crossing) {
-    const std::uint32_t body = materials[crossing.hit.surface].medium_interface;
+    const std::uint32_t body = materials[crossing.hit.surface].interior;
     if (body == SurfaceMaterial::kNone) return;
     const Crossing made{body, crossing.at.entering()};
     // Once at an edge that two triangles share.
-    const bool own = body == materials[hit.surface].medium_interface &&
+    const bool own = body == materials[hit.surface].interior &&
                      made.entering == (dot(hit.normal, ray.direction) < 0.0f);
     if (!own) contacts.add(made);
   };

@@ -20,27 +20,25 @@ namespace nocturne {
 std::vector<CloseSurface> find_close(const Geometry& geometry,
                                      std::span<const std::uint32_t> groups,
                                      const std::vector<SurfaceMaterial>& materials,
-                                     std::span<const MediumInterface> medium_interfaces,
-                                     float longest_view);
+                                     std::span<const Interior> interiors, float longest_view);
 
 /// What touches a hit. The hit becomes the first of those that are close together; of those that
 /// touch, the one that is seen: a surface that bounds no body hides the bodies' own; of bodies,
 /// that of the highest priority.
 Contacts search_contacts(const Geometry& geometry, std::span<const SurfaceMaterial> materials,
-                         std::span<const MediumInterface> medium_interfaces, const Ray& ray,
-                         float time, const Departure& departure, Hit& hit);
+                         std::span<const Interior> interiors, const Ray& ray, float time,
+                         const Departure& departure, Hit& hit);
 
 /// Most hits are on surfaces that nothing is close to.
 inline Contacts contacts_of(const Geometry& geometry, std::span<const SurfaceMaterial> materials,
-                            std::span<const MediumInterface> medium_interfaces, const Ray& ray,
-                            float time, const Departure& departure, Hit& hit) {
+                            std::span<const Interior> interiors, const Ray& ray, float time,
+                            const Departure& departure, Hit& hit) {
   if (!materials[hit.surface].close) return {};
-  return search_contacts(geometry, materials, medium_interfaces, ray, time, departure, hit);
+  return search_contacts(geometry, materials, interiors, ray, time, departure, hit);
 }
 inline Contacts contacts_of(const Scene& scene, const Ray& ray, float time,
                             const Departure& departure, Hit& hit) {
-  return contacts_of(scene.geometry, scene.materials, scene.medium_interfaces, ray, time, departure,
-                     hit);
+  return contacts_of(scene.geometry, scene.materials, scene.interiors, ray, time, departure, hit);
 }
 
 }  // namespace nocturne

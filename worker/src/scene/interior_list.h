@@ -18,7 +18,7 @@
 namespace nocturne {
 
 /// What a body is filled with, behind its boundary.
-struct MediumInterface {
+struct Interior {
   /// Of refraction; not looked at where index-matched.
   Spectrum index;
   /// 1/m; not looked at where the body is clear.
@@ -50,12 +50,12 @@ class InteriorList {
   }
 
   /// The dielectric body that is there: highest priority, of equals the one entered first.
-  std::uint32_t current(std::span<const MediumInterface> medium_interfaces) const {
+  std::uint32_t current(std::span<const Interior> interiors) const {
     std::uint32_t best = kOutside;
     for (std::size_t i = 0; i < count_; ++i) {
-      const MediumInterface& body = medium_interfaces[body_[i]];
+      const Interior& body = interiors[body_[i]];
       if (body.index_matched) continue;
-      if (best == kOutside || body.priority > medium_interfaces[best].priority) best = body_[i];
+      if (best == kOutside || body.priority > interiors[best].priority) best = body_[i];
     }
     return best;
   }
@@ -63,14 +63,13 @@ class InteriorList {
   /// f(medium interface) for every body that is there: the dielectric, and the index-matched ones
   /// that it does not keep out.
   template <class F>
-  void for_each_present(std::span<const MediumInterface> medium_interfaces, const F& f) const {
-    const std::uint32_t dielectric = current(medium_interfaces);
+  void for_each_present(std::span<const Interior> interiors, const F& f) const {
+    const std::uint32_t dielectric = current(interiors);
     for (std::size_t i = 0; i < count_; ++i) {
-      const MediumInterface& body = medium_interfaces[body_[i]];
-      const bool there =
-          body.index_matched
-              ? dielectric == kOutside || body.priority > medium_interfaces[dielectric].priority
-              : body_[i] == dielectric;
+      const Interior& body = interiors[body_[i]];
+      const bool there = body.index_matched ? dielectric == kOutside ||
+                                                  body.priority > interiors[dielectric].priority
+                                            : body_[i] == dielectric;
       if (there) f(body);
     }
   }
@@ -95,10 +94,10 @@ class InteriorList {
 
   /// For a photon that will meet nothing more: it is outside of all closed bodies, though it may
   /// count as in one. At an edge rounding can put it beyond the next face, and it enters twice.
-  InteriorList without_closed(std::span<const MediumInterface> medium_interfaces) const {
+  InteriorList without_closed(std::span<const Interior> interiors) const {
     InteriorList open;
     for (std::size_t i = 0; i < count_; ++i) {
-      if (!medium_interfaces[body_[i]].closed) open.enter(body_[i]);
+      if (!interiors[body_[i]].closed) open.enter(body_[i]);
     }
     return open;
   }
@@ -147,17 +146,16 @@ class Contacts {
 
 /// `own` is empty for a surface that bounds no body. The entered body is there before the left one
 /// is gone: nothing lies between bodies that touch.
-inline Boundary cross_boundary(const InteriorList& inside,
-                               std::span<const MediumInterface> medium_interfaces,
+inline Boundary cross_boundary(const InteriorList& inside, std::span<const Interior> interiors,
                                std::optional<Crossing> own, const Contacts& contacts) {
-  Boundary boundary{inside.current(medium_interfaces), 0, inside};
+  Boundary boundary{inside.current(interiors), 0, inside};
   const auto enter = [&](const Crossing& c) {
     if (c.entering) boundary.beyond.enter(c.body);
   };
   const auto leave = [&](const Crossing& c) {
     if (c.entering) return;
     // A photon that leaves a body it never entered started inside, in an open shape.
-    if (boundary.from == InteriorList::kOutside && !medium_interfaces[c.body].index_matched &&
+    if (boundary.from == InteriorList::kOutside && !interiors[c.body].index_matched &&
         !boundary.beyond.holds(c.body)) {
       boundary.from = c.body;
     }
@@ -167,7 +165,7 @@ inline Boundary cross_boundary(const InteriorList& inside,
   for (const Crossing& c : contacts) enter(c);
   if (own) leave(*own);
   for (const Crossing& c : contacts) leave(c);
-  boundary.to = boundary.beyond.current(medium_interfaces);
+  boundary.to = boundary.beyond.current(interiors);
   return boundary;
 }
 

@@ -38,7 +38,7 @@ inline Vec3 vector(const v1::Vector& v, const char* what) {
   return {finite(v.x(), what), finite(v.y(), what), finite(v.z(), what)};
 }
 
-inline void go_on_unless_stopped(const std::stop_token& stop) {
+inline void throw_if_stopped(const std::stop_token& stop) {
   if (stop.stop_requested()) throw SceneError("the scene was not loaded to its end");
 }
 

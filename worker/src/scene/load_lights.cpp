@@ -167,7 +167,7 @@ EnvironmentMap load_map(const LoadContext& context, const v1::EnvironmentMap& me
                          vector(message.z(), "a map's axis")});
 }
 
-// Each is told apart by some response, or none is.
+// Each has a response, or none has.
 std::uint32_t load_light_group(const LoadContext& context, std::uint32_t number) {
   std::uint32_t groups = 0;
   for (const auto& response : context.message.sensor().further_responses()) {
@@ -239,13 +239,12 @@ std::vector<Luminaire> load_luminaires(const LoadContext& context, const Geometr
   return luminaires;
 }
 
-LightDirections load_light_directions(const LoadContext& context,
-                                      const std::vector<Luminaire>& luminaires,
-                                      const Geometry& geometry,
-                                      const std::vector<std::uint32_t>& groups) {
+LightSampler load_light_sampler(const LoadContext& context,
+                                const std::vector<Luminaire>& luminaires, const Geometry& geometry,
+                                const std::vector<std::uint32_t>& groups) {
   const v1::Tracing& t = context.message.tracing();
   return checked([&] {
-    return LightDirections(
+    return LightSampler(
         luminaire_elements(luminaires, geometry, groups), load_environment(context),
         load_discs(context), important_elements(context),
         {static_cast<float>(t.weight_luminaires()), static_cast<float>(t.weight_environment()),
@@ -254,25 +253,25 @@ LightDirections load_light_directions(const LoadContext& context,
 }
 
 PhotonEmitter load_emitter(const LoadContext& context, const std::vector<Luminaire>& luminaires,
-                           const LightDirections& lights, const Geometry& geometry,
+                           const LightSampler& lights, const Geometry& geometry,
                            const std::vector<std::uint32_t>& groups, const Sensor& sensor) {
   PhotonEmitter emitter;
   for (std::uint32_t i = 0; i < luminaires.size(); ++i) {
     const Luminaire& luminaire = luminaires[i];
     const Shape& shape = geometry.shapes()[luminaire.surface];
     for_each_place(geometry, groups[luminaire.surface], [&](const PlacedInstance* instance) {
-      const std::uint32_t shown_by = index_of(geometry, instance);
+      const std::uint32_t placed_shape = index_of(geometry, instance);
       const auto add_mesh = [&](const TriangleMesh& mesh) {
         const auto vertices = placed_vertices(mesh, instance, time_steps(shape, instance));
         for (std::uint32_t triangle = 0; triangle < mesh.triangles.size(); ++triangle) {
           const auto& t = mesh.triangles[triangle];
           std::vector<std::array<Vec3, 3>> corners;
           for (const auto& v : vertices) corners.push_back({v[t[0]], v[t[1]], v[t[2]]});
-          emitter.add_triangle(i, luminaire, std::move(corners), {shown_by, triangle});
+          emitter.add_triangle(i, luminaire, std::move(corners), {placed_shape, triangle});
         }
       };
       visit_shape(shape, add_mesh, [&](const Sphere& sphere) {
-        emitter.add_sphere(i, luminaire, sphere, geometry, shown_by);
+        emitter.add_sphere(i, luminaire, sphere, geometry, placed_shape);
       });
     });
   }

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "luminaires/light_directions.h"
+#include "luminaires/light_sampler.h"
 #include "luminaires/luminaire.h"
 #include "luminaires/photon_emitter.h"
 #include "scene/load_context.h"
@@ -14,13 +14,12 @@ namespace nocturne {
 std::vector<Luminaire> load_luminaires(const LoadContext& context, const Geometry& geometry,
                                        std::vector<SurfaceMaterial>& materials);
 
-LightDirections load_light_directions(const LoadContext& context,
-                                      const std::vector<Luminaire>& luminaires,
-                                      const Geometry& geometry,
-                                      const std::vector<std::uint32_t>& groups);
+LightSampler load_light_sampler(const LoadContext& context,
+                                const std::vector<Luminaire>& luminaires, const Geometry& geometry,
+                                const std::vector<std::uint32_t>& groups);
 
 PhotonEmitter load_emitter(const LoadContext& context, const std::vector<Luminaire>& luminaires,
-                           const LightDirections& lights, const Geometry& geometry,
+                           const LightSampler& lights, const Geometry& geometry,
                            const std::vector<std::uint32_t>& groups, const Sensor& sensor);
 
 }  // namespace nocturne

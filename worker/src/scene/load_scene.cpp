@@ -178,11 +178,10 @@ bool fills_space_evenly(const Medium& medium) {
 
 // Photons can wander through it without limit. It hides all distant light; a glow would be
 // everywhere.
-bool in_fog_without_end(const InteriorList& everywhere,
-                        const std::vector<MediumInterface>& medium_interfaces,
+bool in_fog_without_end(const InteriorList& everywhere, const std::vector<Interior>& interiors,
                         const std::vector<Medium>& media) {
   bool even = false, glows = false;
-  everywhere.for_each_present(medium_interfaces, [&](const MediumInterface& body) {
+  everywhere.for_each_present(interiors, [&](const Interior& body) {
     for (const std::uint32_t medium : body.media) {
       even = even || fills_space_evenly(media[medium]);
       glows = glows || media[medium].glow;
@@ -193,9 +192,9 @@ bool in_fog_without_end(const InteriorList& everywhere,
 
 std::optional<Geometry::Ball> find_all_in_fog(const Geometry& geometry, Vec3 sensor,
                                               const InteriorList& everywhere,
-                                              const std::vector<MediumInterface>& medium_interfaces,
+                                              const std::vector<Interior>& interiors,
                                               const std::vector<Medium>& media) {
-  if (!in_fog_without_end(everywhere, medium_interfaces, media)) return std::nullopt;
+  if (!in_fog_without_end(everywhere, interiors, media)) return std::nullopt;
   if (geometry.shapes().empty()) return Geometry::Ball{sensor, 0.0f};
   Geometry::Ball ball = geometry.bounds();
   ball.radius = std::max(ball.radius, length(sensor - ball.centre));
@@ -204,10 +203,9 @@ std::optional<Geometry::Ball> find_all_in_fog(const Geometry& geometry, Vec3 sen
 
 // Marks surfaces that are close together, for the searches and for the handling of a hit.
 void set_close(Geometry& geometry, const std::vector<std::uint32_t>& groups, Vec3 sensor,
-               const std::vector<MediumInterface>& medium_interfaces,
-               std::vector<SurfaceMaterial>& materials) {
+               const std::vector<Interior>& interiors, std::vector<SurfaceMaterial>& materials) {
   const Geometry::Ball ball = geometry.bounds();
-  std::vector<CloseSurface> close = find_close(geometry, groups, materials, medium_interfaces,
+  std::vector<CloseSurface> close = find_close(geometry, groups, materials, interiors,
                                                2.0f * ball.radius + length(sensor - ball.centre));
   for (std::size_t i = 0; i < close.size(); ++i) materials[i].close = close[i].reach > 0.0f;
   geometry.set_close(std::move(close));
@@ -218,12 +216,13 @@ bool lets_light_through(const SurfaceMaterial& material) {
   return material.has_delta_lobe && material.may_pass;
 }
 
-bool occlusion_decides(const TracingOptions& options, const std::vector<SurfaceMaterial>& materials,
-                       const std::vector<MediumInterface>& medium_interfaces,
-                       const LightDirections& lights, const std::vector<Luminaire>& luminaires,
-                       const std::vector<std::uint32_t>& groups) {
+bool shadow_rays_suffice(const TracingOptions& options,
+                         const std::vector<SurfaceMaterial>& materials,
+                         const std::vector<Interior>& interiors, const LightSampler& lights,
+                         const std::vector<Luminaire>& luminaires,
+                         const std::vector<std::uint32_t>& groups) {
   return options.estimator == Estimator::kTwoPhotons && options.direction != Direction::kForward &&
-         medium_interfaces.empty() && !lights.points_at_important() &&
+         interiors.empty() && !lights.points_at_important() &&
          std::ranges::none_of(materials, lets_light_through) &&
          std::ranges::none_of(materials, &SurfaceMaterial::close) &&
          std::ranges::none_of(luminaires, [&](const Luminaire& luminaire) {
@@ -241,31 +240,30 @@ std::string blob_name(const std::string& sha256) {
 std::shared_ptr<Scene> load_scene(const v1::CompiledScene& message, const FindBlob& find_blob,
                                   std::stop_token stop) {
   const FindBlob find_or_stop = [&](const std::string& sha256) {
-    go_on_unless_stopped(stop);
+    throw_if_stopped(stop);
     return find_blob(sha256);
   };
   const LoadContext context = make_context(message, find_or_stop, stop);
   auto kernels = load_kernels(context);
   LoadedShapes loaded = load_shapes(context);
   auto materials = load_materials(context, kernels, loaded.shapes);
-  auto medium_interfaces = load_medium_interfaces(context);
+  auto interiors = load_interiors(context);
   const InteriorList everywhere = load_unbounded(context);
-  set_closed(loaded.shapes, materials, everywhere, medium_interfaces);
+  set_closed(loaded.shapes, materials, everywhere, interiors);
   return checked([&] {
     Geometry geometry(std::move(loaded.shapes), loaded.groups, std::move(loaded.instances), stop);
     auto luminaires = load_luminaires(context, geometry, materials);
-    go_on_unless_stopped(stop);
-    set_close(geometry, loaded.groups, sensor_start(message.sensor()), medium_interfaces,
-              materials);
-    go_on_unless_stopped(stop);
+    throw_if_stopped(stop);
+    set_close(geometry, loaded.groups, sensor_start(message.sensor()), interiors, materials);
+    throw_if_stopped(stop);
     auto media = load_media(context, kernels, materials);
-    go_on_unless_stopped(stop);
-    auto lights = load_light_directions(context, luminaires, geometry, loaded.groups);
+    throw_if_stopped(stop);
+    auto lights = load_light_sampler(context, luminaires, geometry, loaded.groups);
     const TracingOptions options = load_tracing(message.tracing(), lights.empty());
     const bool polarised = is_polarised(message.sensor(), kernels);
     check_special_kernels(kernels, polarised, options);
     auto sensor = load_sensor(message.sensor());
-    const Bodies bodies{geometry, materials, medium_interfaces, everywhere};
+    const Bodies bodies{geometry, materials, interiors, everywhere};
     const SensorSurroundings sensor_around =
         sensor_surroundings(bodies, loaded.groups, sensor, sensor_start(message.sensor()));
     PhotonEmitter emitter;
@@ -296,17 +294,17 @@ std::shared_ptr<Scene> load_scene(const v1::CompiledScene& message, const FindBl
                                 ? kNearEnds * std::min(geometry.bounds().radius,
                                                        median_view(sensor, geometry, materials))
                                 : 0.0f;
-    const auto all_in_fog = find_all_in_fog(geometry, sensor_start(message.sensor()), everywhere,
-                                            medium_interfaces, media);
+    const auto all_in_fog =
+        find_all_in_fog(geometry, sensor_start(message.sensor()), everywhere, interiors, media);
     LearnedLight learned(LearnedLight::unpacked(message.learned_light()));
-    const bool occlusion = media.empty() && occlusion_decides(options, materials, medium_interfaces,
-                                                              lights, luminaires, loaded.groups);
+    const bool occlusion = media.empty() && shadow_rays_suffice(options, materials, interiors,
+                                                                lights, luminaires, loaded.groups);
     lights.set_learned(std::move(learned));
     lights.set_visible_sky(VisibleSky(VisibleSky::unpacked(message.visible_sky())));
     return std::shared_ptr<Scene>(new Scene{std::move(geometry),
                                             std::move(materials),
                                             std::move(kernels),
-                                            std::move(medium_interfaces),
+                                            std::move(interiors),
                                             std::move(media),
                                             load_bump_maps(context),
                                             std::move(luminaires),

@@ -69,38 +69,38 @@ LoadedShapes load_shapes(const LoadContext& context) {
   require(context.message.surfaces_size() > 0, "no surfaces");
   LoadedShapes loaded;
   for (const auto& surface : context.message.surfaces()) {
-    go_on_unless_stopped(context.stop);
+    throw_if_stopped(context.stop);
     loaded.shapes.push_back(load_shape(context, surface));
     loaded.groups.push_back(surface.group());
   }
   for (const auto& instance : context.message.instances()) {
-    go_on_unless_stopped(context.stop);
+    throw_if_stopped(context.stop);
     loaded.instances.push_back(load_instance(instance));
   }
   return loaded;
 }
 
-std::vector<MediumInterface> load_medium_interfaces(const LoadContext& context) {
+std::vector<Interior> load_interiors(const LoadContext& context) {
   const auto& message = context.message;
   require(message.interiors_size() <= static_cast<int>(InteriorList::kMaxBodies),
-          "more medium_interfaces than 65535");
-  std::vector<MediumInterface> medium_interfaces;
+          "more interiors than 65535");
+  std::vector<Interior> interiors;
   for (const auto& interior : message.interiors()) {
     const bool absorbs = interior.has_absorption();
-    medium_interfaces.push_back(
+    interiors.push_back(
         {interior.index_matched() ? Spectrum(1.0f) : context.spectrum(interior.index()),
          absorbs ? context.spectrum(interior.absorption()) : Spectrum(0.0f),
          absorbs,
          interior.priority(),
          interior.index_matched(),
          {interior.media().begin(), interior.media().end()}});
-    require(medium_interfaces.back().index.least() >= 1e-3f, "an index of refraction below 0.001");
-    for (const std::uint32_t medium : medium_interfaces.back().media) {
+    require(interiors.back().index.least() >= 1e-3f, "an index of refraction below 0.001");
+    for (const std::uint32_t medium : interiors.back().media) {
       require(medium < static_cast<std::uint32_t>(message.media_size()),
               "a medium index out of range");
     }
   }
-  return medium_interfaces;
+  return interiors;
 }
 
 InteriorList load_unbounded(const LoadContext& context) {
@@ -144,7 +144,7 @@ std::vector<SurfaceMaterial> load_materials(const LoadContext& context,
     if (surface.has_interior()) {
       require(surface.interior() < static_cast<std::uint32_t>(context.message.interiors_size()),
               "an interior index out of range");
-      material.medium_interface = surface.interior();
+      material.interior = surface.interior();
     }
     if (surface.has_normal_map() || surface.has_bump_map()) material.bump_map = bump_maps++;
     material.index_matched_only =
@@ -169,14 +169,14 @@ std::vector<SurfaceMaterial> load_materials(const LoadContext& context,
 }
 
 void set_closed(const std::vector<Shape>& shapes, const std::vector<SurfaceMaterial>& materials,
-                const InteriorList& everywhere, std::vector<MediumInterface>& medium_interfaces) {
-  for (std::uint32_t i = 0; i < medium_interfaces.size(); ++i) {
-    medium_interfaces[i].closed = !everywhere.holds(i);
+                const InteriorList& everywhere, std::vector<Interior>& interiors) {
+  for (std::uint32_t i = 0; i < interiors.size(); ++i) {
+    interiors[i].closed = !everywhere.holds(i);
   }
   for (std::size_t i = 0; i < shapes.size(); ++i) {
-    const std::uint32_t body = materials[i].medium_interface;
+    const std::uint32_t body = materials[i].interior;
     if (body == SurfaceMaterial::kNone) continue;
-    medium_interfaces[body].closed = medium_interfaces[body].closed && is_closed(shapes[i]);
+    interiors[body].closed = interiors[body].closed && is_closed(shapes[i]);
   }
 }
 

@@ -23,7 +23,7 @@ LoadedShapes load_shapes(const LoadContext& context);
 TriangleMesh load_quad(const v1::Quad& message);
 Sphere load_sphere(const v1::Sphere& message);
 
-std::vector<MediumInterface> load_medium_interfaces(const LoadContext& context);
+std::vector<Interior> load_interiors(const LoadContext& context);
 /// The bodies that all of space is inside of.
 InteriorList load_unbounded(const LoadContext& context);
 std::vector<BumpMap> load_bump_maps(const LoadContext& context);
@@ -35,6 +35,6 @@ std::vector<SurfaceMaterial> load_materials(const LoadContext& context,
 
 /// Which bodies are closed; those that are everywhere are not.
 void set_closed(const std::vector<Shape>& shapes, const std::vector<SurfaceMaterial>& materials,
-                const InteriorList& everywhere, std::vector<MediumInterface>& medium_interfaces);
+                const InteriorList& everywhere, std::vector<Interior>& interiors);
 
 }  // namespace nocturne

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "kernels/any_kernel.h"
-#include "luminaires/light_directions.h"
+#include "luminaires/light_sampler.h"
 #include "luminaires/luminaire.h"
 #include "luminaires/photon_emitter.h"
 #include "luminaires/widened_lamps.h"
@@ -29,7 +29,7 @@ struct SurfaceMaterial {
   /// For photons from the side that the normal points to, and from the other.
   std::uint32_t front_kernel = 0, back_kernel = 0;
   std::uint32_t luminaire = kNone;
-  std::uint32_t medium_interface = kNone;
+  std::uint32_t interior = kNone;
   std::uint32_t bump_map = kNone;
   /// One of its kernels has a delta lobe, or it bounds a body and may be no boundary at all,
   /// between equal indices or within a body of higher priority: photons may pass or be mirrored.
@@ -61,11 +61,11 @@ struct Scene {
   /// By surface; then by medium, as a hit on a medium is one on its own surface.
   std::vector<SurfaceMaterial> materials;
   std::vector<AnyKernel> kernels;
-  std::vector<MediumInterface> medium_interfaces;
+  std::vector<Interior> interiors;
   std::vector<Medium> media;
   std::vector<BumpMap> bump_maps;
   std::vector<Luminaire> luminaires;
-  LightDirections lights;
+  LightSampler lights;
   /// Empty unless the direction is forward.
   PhotonEmitter emitter;
   Sensor sensor;
@@ -78,7 +78,7 @@ struct Scene {
   /// Nothing between a vertex and a light can let light through, and all luminaires are elements of
   /// `lights`: a photon towards lights needs to know only whether it is occluded. Light by mirrors
   /// is left to photons from kernels.
-  bool occlusion_decides = false;
+  bool shadow_rays_suffice = false;
   /// Holds all that photons can end at, where unbounded fog hides everything beyond it.
   std::optional<Geometry::Ball> all_in_fog;
   /// By kernel: whether it is specular-like (load_kernels.h). What scatters light closer to the
@@ -114,7 +114,7 @@ struct Scene {
   }
   /// Along a direction that was drawn towards light.
   template <int N>
-  Spectral<N> distant_radiance(const LightDirections::LightSample& light,
+  Spectral<N> distant_radiance(const LightSampler::LightSample& light,
                                const Spectral<N>& wavelengths_nm) const {
     if (!light.environment) return distant_radiance(light.direction, wavelengths_nm);
     return with_discs(lights.environment()->radiance(*light.environment, wavelengths_nm),
@@ -125,7 +125,7 @@ struct Scene {
   template <int N, class SeesPast>
   Spectral<N> distant_radiance(Vec3 direction, const Spectral<N>& wavelengths_nm,
                                const SeesPast& sees_past,
-                               const LightDirections::SkyPlace& place = {}) const {
+                               const LightSampler::SkyTexel& place = {}) const {
     const auto& environment = lights.environment();
     Spectral<N> around = 0.0f;
     if (environment && !sees_past(environment->hidden_from)) {
@@ -144,7 +144,7 @@ struct Scene {
     return radiance;
   }
   /// f(light group, radiance) for each source of what distant_radiance has together. `place` in the
-  /// environment, as a SkyPlace or as it was drawn, or none.
+  /// environment, as a SkyTexel or as it was drawn, or none.
   template <int N, class SeesPast, class Place, class F>
   void for_each_distant_group(Vec3 direction, const Spectral<N>& wavelengths_nm,
                               const SeesPast& sees_past, const std::optional<Place>& place,
@@ -188,7 +188,7 @@ struct Scene {
   Spectral<N> transmittance(const InteriorList& inside, float distance,
                             const Spectral<N>& wavelengths_nm) const {
     Spectral<N> left = 1.0f;
-    inside.for_each_present(medium_interfaces, [&](const MediumInterface& body) {
+    inside.for_each_present(interiors, [&](const Interior& body) {
       if (!body.absorbs) return;
       left *= each([distance](float a) { return math::exp(-a * distance); },
                    body.absorption(wavelengths_nm));

@@ -38,7 +38,7 @@ struct TracingOptions {
   /// that absorb nothing and only reflect or refract, it survives the n-th with 1 - 2 / n. Of those
   /// along the rim of a fine mesh about one in n gets out after n: where all but a few have ended
   /// by then, as by a constant survival, their light is not met.
-  static constexpr std::uint32_t kCaughtAfter = 1000;
+  static constexpr std::uint32_t kSpecularRouletteAfter = 1000;
   /// Among surfaces that absorb nothing no photon ends by itself either. Beyond so many, the n-th
   /// is survived with at most 1 - 2 / n: n are survived with a probability that falls as 1 / n^2,
   /// so that paths end, and weights grow as n^2, which the albedo's n-th power outweighs in all

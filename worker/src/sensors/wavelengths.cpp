@@ -105,6 +105,7 @@ WavelengthSampler::WavelengthSampler(const ResponseCurves& curves, const Density
   }
   for (std::size_t i = 0; i < further_.size(); ++i) {
     counted_.push_back(curves.light(i));
+    tells_stokes_ = tells_stokes_ || counted_.back().stokes;
     tells_parts_ = tells_parts_ || counted_.back().part != LightPart::kWhole;
     if (const auto group = counted_.back().group) {
       light_groups_ = std::max(light_groups_, *group + 1);

@@ -98,6 +98,8 @@ class WavelengthSampler {
   /// One more than the largest light group, or 3 of Stokes vectors, that any curve counts; 0: none
   /// asks.
   std::uint32_t light_groups() const { return light_groups_; }
+  /// Whether these are of Stokes vectors.
+  bool tells_stokes() const { return tells_stokes_; }
 
   /// The same as `weight` for a further curve.
   template <int N>
@@ -128,6 +130,7 @@ class WavelengthSampler {
   std::vector<CountedLight> counted_;
   bool tells_parts_ = false;
   std::uint32_t light_groups_ = 0;
+  bool tells_stokes_ = false;
 };
 
 }  // namespace nocturne

@@ -100,10 +100,10 @@ RTCScene EmbreeScene::new_scene() const {
 }
 
 void EmbreeScene::commit(RTCScene filled, std::stop_token stop) const {
-  const auto go_on = [](void* token, double) {
+  const auto keep_building = [](void* token, double) {
     return !static_cast<std::stop_token*>(token)->stop_requested();
   };
-  rtcSetSceneProgressMonitorFunction(filled, go_on, &stop);
+  rtcSetSceneProgressMonitorFunction(filled, keep_building, &stop);
   rtcCommitScene(filled);
   rtcSetSceneProgressMonitorFunction(filled, nullptr, nullptr);
   if (const RTCError error = rtcGetDeviceError(device_); error != RTC_ERROR_NONE) {

@@ -77,9 +77,9 @@ void Geometry::intersect(std::span<const TimedRay> rays, std::span<std::optional
 }
 
 void Geometry::occluded(std::span<const TimedRay> rays, std::span<std::uint8_t> blocked,
-                        Ways ways) const {
+                        RayCoherence coherence) const {
   std::fill_n(blocked.begin(), rays.size(), std::uint8_t{0});
-  occluded_packets(embree_->scene, rays, blocked, ways);
+  occluded_packets(embree_->scene, rays, blocked, coherence);
 }
 
 std::optional<Hit> Geometry::intersect(const Ray& ray, float time) const {

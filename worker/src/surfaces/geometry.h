@@ -41,7 +41,7 @@ struct NearCrossing {
 };
 
 /// How rays of a list lie to their neighbours in it: only what a query costs depends on it.
-enum class Ways { kScattered, kTogether };
+enum class RayCoherence { kIncoherent, kCoherent };
 
 class Geometry {
  public:
@@ -80,7 +80,7 @@ class Geometry {
 
   /// 1 where there is anything in front of the origin, nearer than the ray's end, else 0.
   void occluded(std::span<const TimedRay> rays, std::span<std::uint8_t> blocked,
-                Ways ways = Ways::kScattered) const;
+                RayCoherence coherence = RayCoherence::kIncoherent) const;
 
   /// What a hit's ray crosses, at the same time, no further from the hit than `reach` metres along
   /// the ray, in exact order; mostly the hit is among them, though slightly off an edge it need

@@ -61,7 +61,7 @@ inline Vec3 leave_surface(const Hit& hit, Vec3 direction) {
 
 /// Distance in `direction` from the surface to where a ray that leaves it starts, as of a plane: a
 /// body thinner than that is not seen at grazing angles.
-inline float way_skipped(const Hit& hit, Vec3 direction) {
+inline float ray_offset(const Hit& hit, Vec3 direction) {
   constexpr float kMinCosine = 1e-3f;
   return hit.clearance / std::max(kMinCosine, std::fabs(dot(hit.normal, direction)));
 }

@@ -105,11 +105,11 @@ void intersect_packets(const EmbreeScene& scene, std::span<const TimedRay> rays,
 }
 
 void occluded_packets(RTCScene in, std::span<const TimedRay> rays, std::span<std::uint8_t> blocked,
-                      Ways ways) {
+                      RayCoherence coherence) {
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);
-  context.flags = ways == Ways::kTogether ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT
-                                          : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+  context.flags = coherence == RayCoherence::kCoherent ? RTC_INTERSECT_CONTEXT_FLAG_COHERENT
+                                                       : RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
   for (std::size_t first = 0; first < rays.size(); first += kPacket) {
     const auto some = rays.subspan(first, std::min(kPacket, rays.size() - first));
     alignas(32) std::array<int, kPacket> valid;

@@ -21,6 +21,6 @@ void intersect_packets(const EmbreeScene& scene, std::span<const TimedRay> rays,
 
 /// Sets to 1 the rays that are blocked by anything in the scene; see Geometry::occluded.
 void occluded_packets(RTCScene in, std::span<const TimedRay> rays, std::span<std::uint8_t> blocked,
-                      Ways ways);
+                      RayCoherence coherence);
 
 }  // namespace nocturne

@@ -111,11 +111,11 @@ struct EmittedInMedium {
 
 /// Estimator counts the light or the sensors that photons meet; it has
 ///   kTransport
-///   flies(sample, group, hit or null)  for every ray, before the body it crosses absorbs
-///   arrives(sample, group, hit)        for a surface that was met, after that
-///   glows(sample, group, hit)          for a medium, likewise
+///   on_ray(sample, group, hit or null)  for every ray, before the body it crosses absorbs
+///   on_surface(sample, group, hit)        for a surface that was met, after that
+///   on_medium_emission(sample, group, hit)          for a medium, likewise
 /// and, where forward photons are connected to the sensor,
-///   connect(sample, place, u, v) and reaches(sample, group, connection).
+///   connect(sample, place, u, v) and on_camera_connection(sample, group, connection).
 template <int N, class Estimator, bool Media>
 struct Batch {
   static constexpr Transport kTransport = Estimator::kTransport;
@@ -131,8 +131,8 @@ struct Batch {
         both(traced.options.direction == Direction::kBoth),
         tells_groups(traced.wavelengths.light_groups() > 0),
         knows_ends(both || traced.options.gathered != TracingOptions::Gathered::kWithAll),
-        occlusion_decides(traced.occlusion_decides &&
-                          (traced.lights.learned().empty() || !traced.options.guide)),
+        shadow_rays_suffice(traced.shadow_rays_suffice &&
+                            (traced.lights.learned().empty() || !traced.options.guide)),
         estimator(counts),
         limits(std::move(stop)) {}
 
@@ -187,12 +187,12 @@ struct Batch {
   const Scene& scene;
   const TracingOptions& options;
   const bool both;
-  /// Light groups are told apart.
+  /// Light groups are kept separate.
   const bool tells_groups;
   /// Whether groups note their paths' ends.
   const bool knows_ends;
   /// Visibility of a light is the only question. Guided photons pass mirrors.
-  const bool occlusion_decides;
+  const bool shadow_rays_suffice;
   Estimator& estimator;
   PathLimits limits;
 
@@ -211,7 +211,7 @@ struct Batch {
   /// Of adjoint photons.
   Sharing<N> sharing;
   std::vector<ShadowRay<N>> shadow_rays;
-  /// In their order, and only where light groups are told apart.
+  /// In their order, and only where light groups are kept separate.
   std::vector<ShadowLight<N>> shadow_lights;
   std::vector<std::uint8_t> blocked;
   std::vector<CameraRay<N>> camera_rays;

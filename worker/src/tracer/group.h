@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "luminaires/light_directions.h"
+#include "luminaires/light_sampler.h"
 #include "math/ray.h"
 #include "sampling/sequence.h"
 #include "scene/interior_list.h"
@@ -34,7 +34,7 @@ struct MisState {
   Vec3 direction;
   /// Of the kernel, times the probability to survive, 1/sr.
   Spectral<N> kernel_pdf;
-  /// Of kLights: as LightDirections drew it, 1/sr (DrawnDirection).
+  /// Of kLights: as LightSampler drew it, 1/sr (DrawnDirection).
   float drawn_pdf = 0.0f;
   /// Of kLights: the largest weight that it left with, as it is outside of bodies.
   float worth = 1.0f;
@@ -81,7 +81,7 @@ struct Group {
   std::uint32_t tally = 0;
   /// Way from the last surface to where the ray starts, m; set inside of bodies only, and zero
   /// where the departure is exact.
-  float skipped = 0.0f;
+  float ray_offset = 0.0f;
   /// From there to where the ray starts; set with it.
   Vec3 step = {0.0f, 0.0f, 0.0f};
   /// Width of the footprint, m.
@@ -95,7 +95,7 @@ struct Group {
   /// Interactions so far; those of them with media; those that let it straight through.
   std::uint32_t depth = 0, collisions = 0, passes = 0;
   /// Latest interactions in a row at which clear surfaces reflected or refracted it.
-  std::uint32_t caught = 0;
+  std::uint32_t consecutive_specular = 0;
   /// Left a first vertex as its neighbours' photons might: the next surface may be shared.
   bool shares = false;
   /// Something else than mirrors and clear surfaces turned it.

@@ -56,7 +56,7 @@ std::optional<Seen> first_seen(const Scene& scene, const Start<kWavelengths>& st
                   kernel.albedo(vertex->wo)};
     });
     if (seen) return seen;
-    line.go_on(-vertex->wo);
+    line.continue_along(-vertex->wo);
   }
   return std::nullopt;
 }

@@ -35,7 +35,7 @@ class LineOfSight {
   }
 
   /// From the surface that is seen, in the frame's direction `wi`.
-  void go_on(Vec3 wi) {
+  void continue_along(Vec3 wi) {
     ++group_.depth;
     if (wi == -vertex_->wo) ++group_.passes;
     const Vec3 direction = vertex_->to_world(wi);

@@ -37,11 +37,11 @@ void trace_batch(Batch<N, Estimator, Media>& batch) {
       batch.truncate();
       break;
     }
-    intersect(batch);                 // the nearest surface
-    if constexpr (Media) fly(batch);  // media before it: which are met, what passes
-    count(batch);                     // light that is met, with its MIS weight
-    scatter(batch);                   // kernels: next event estimation, roulette, directions
-    connect(batch);                   // to lights and to the camera, where the way is free
+    intersect(batch);                          // the nearest surface
+    if constexpr (Media) sample_media(batch);  // media before it: which are met, what passes
+    accumulate_emission(batch);                // light that is met, with its MIS weight
+    scatter(batch);  // kernels: next event estimation, roulette, directions
+    connect(batch);  // to lights and to the camera, where the way is free
     batch.groups.swap(batch.next);
     batch.next.clear();
   }
@@ -84,11 +84,11 @@ void intersect(Batch<N, Estimator, Media>& batch) {
   }
   batch.hits.resize(batch.groups.size());
   batch.scene.geometry.intersect(batch.timed_rays, batch.hits);
-  if (!batch.scene.medium_interfaces.empty()) {
+  if (!batch.scene.interiors.empty()) {
     for (std::size_t i = 0; i < batch.groups.size(); ++i) {
       InteriorList& inside = batch.groups[i].inside;
       if (batch.hits[i] || inside.empty()) continue;
-      inside = inside.without_closed(batch.scene.medium_interfaces);
+      inside = inside.without_closed(batch.scene.interiors);
     }
   }
   batch.encounters.assign(batch.groups.size(), {});
@@ -96,7 +96,7 @@ void intersect(Batch<N, Estimator, Media>& batch) {
 
 /// Media up to the nearest surface, if there is one. A medium that is met takes its place.
 template <int N, class Estimator>
-void fly(Batch<N, Estimator, true>& batch) {
+void sample_media(Batch<N, Estimator, true>& batch) {
   const std::size_t groups = batch.groups.size();  // those that collide surely are added behind
   for (std::size_t i = 0; i < groups; ++i) {
     if constexpr (Batch<N, Estimator, true>::kToCamera) {
@@ -140,7 +140,7 @@ void fly(Batch<N, Estimator, true>& batch) {
 template <class Batch, int N>
 bool ends_here(const Batch& batch, const Group<N>& group, const Hit& hit) {
   return group.mis.technique == MisTechnique::kLights &&
-         (batch.occlusion_decides || !batch.scene.materials[hit.surface].has_delta_lobe);
+         (batch.shadow_rays_suffice || !batch.scene.materials[hit.surface].has_delta_lobe);
 }
 
 // Data far away in memory are requested so many groups before they are counted.
@@ -148,16 +148,16 @@ inline constexpr std::size_t kAhead = 8;
 
 /// Groups arrive, weakened by the media they crossed, and the light they meet is counted.
 template <int N, class Estimator, bool Media>
-void count(Batch<N, Estimator, Media>& batch) {
+void accumulate_emission(Batch<N, Estimator, Media>& batch) {
   constexpr bool kAdjoint = Batch<N, Estimator, Media>::kAdjoint;
   batch.contacts.clear();
-  std::array<LightDirections::SkyPlace, kAhead> places;
-  const auto expect = [&](std::size_t i) {
+  std::array<LightSampler::SkyTexel, kAhead> places;
+  const auto prefetch = [&](std::size_t i) {
     const auto& environment = batch.scene.lights.environment();
     if (!kAdjoint || !environment || i >= batch.groups.size() || batch.hits[i]) return;
-    places[i % kAhead] = environment->expect(batch.groups[i].ray.direction);
+    places[i % kAhead] = environment->prefetch(batch.groups[i].ray.direction);
   };
-  for (std::size_t i = 0; i < kAhead; ++i) expect(i);
+  for (std::size_t i = 0; i < kAhead; ++i) prefetch(i);
   for (std::size_t i = 0; i < batch.groups.size(); ++i) {
     Group<N>& group = batch.groups[i];
     Encounter& met = batch.encounters[i];
@@ -172,11 +172,11 @@ void count(Batch<N, Estimator, Media>& batch) {
       }
     }
     if constexpr (kAdjoint) {
-      batch.estimator.flies(sample, group, hit ? &*hit : nullptr, places[i % kAhead]);
+      batch.estimator.on_ray(sample, group, hit ? &*hit : nullptr, places[i % kAhead]);
     } else {
-      batch.estimator.flies(sample, group, hit ? &*hit : nullptr);
+      batch.estimator.on_ray(sample, group, hit ? &*hit : nullptr);
     }
-    expect(i + kAhead);
+    prefetch(i + kAhead);
     if (hit) arrive(batch, group, *hit);
     met.ended = !hit || ends_here(batch, group, *hit);
   }
@@ -307,7 +307,7 @@ void prepare(Batch& batch, Chunk<N, Bound>& chunk) {
     }
     chunk.two_photons[i] = second && scatters && may_see_lights(batch, group, vertex);
     if constexpr (Batch::kAdjoint) {
-      if (group.shares) offer_second(batch, group, vertex, kernel);
+      if (group.shares) record_second_vertex(batch, group, vertex, kernel);
       group.shares = false;
     }
     chunk.survival[i] = passes_on ? survival_of_passing(batch, group, vertex, kernel)
@@ -315,7 +315,7 @@ void prepare(Batch& batch, Chunk<N, Bound>& chunk) {
     sequences[i] = &group.sequence;
     if constexpr (Batch::kAdjoint) {
       if (batch.sharing.on() && chunk.two_photons[i] && group.depth == 1 && group.passes == 0 &&
-          offer_first(batch, group, vertex, kernel, chunk.survival[i])) {
+          record_first_vertex(batch, group, vertex, kernel, chunk.survival[i])) {
         group.sequence.skip(1);
         sequences[i] = &batch.sharing.sequences[group.sample];
       }
@@ -348,7 +348,7 @@ void draw(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const Kernel& 
   const TracingOptions& options = batch.options;
   const KernelNumbers numbers{u[3], u[0], u[1], halves(options, group)};
   if (group.mis.technique == MisTechnique::kLights) {
-    pass_on(batch, group, vertex, kernel, numbers, survival);
+    continue_through_specular(batch, group, vertex, kernel, numbers, survival);
   } else if (!batch.kAdjoint || options.estimator == Estimator::kTwoPhotons || !kernel.smooth()) {
     draw_from_kernel(batch, group, vertex, kernel, numbers, survival, two_photons);
   } else if (options.estimator == Estimator::kSplit && group.depth <= options.split_vertices) {

@@ -163,7 +163,7 @@ DaylightSums trace_daylight(Scene& scene, const DaylightRequest& request, unsign
   if (!scene.lights.environment()) throw std::invalid_argument("a scene without a sky");
   scene.options.sharing = 1;
   // Photons that fly towards lights tell what they meet.
-  scene.occlusion_decides = false;
+  scene.shadow_rays_suffice = false;
   const std::uint32_t pixels = request.film.width * request.film.height;
   DaylightSums sums{
       .patches = std::vector<double>(std::size_t{pixels} * 2 * request.patches.count()),

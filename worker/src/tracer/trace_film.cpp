@@ -85,7 +85,7 @@ class FilmSums {
   std::uint32_t added_bundles_ = 0;
 };
 
-/// A tile's ranges, added up in sample order. `done` is told the photons of each.
+/// A tile's ranges, added up in sample order. `done` gets the photons of each.
 template <class Done>
 TileSums trace_ranges(const Scene& scene, const FilmPlan& plan, std::size_t index,
                       const Ranges& samples, const Done& done) {
@@ -255,7 +255,7 @@ std::pair<TileSums, std::uint32_t> trace_film(const Scene& scene, const FilmPlan
 std::pair<TileSums, std::uint32_t> trace_film_by_ranges(
     const Scene& scene, const FilmPlan& plan, unsigned threads,
     const std::function<void(double)>& progress,
-    const std::function<bool(std::uint32_t, const TileSums&)>& go_on) {
+    const std::function<bool(std::uint32_t, const TileSums&)>& wants_more) {
   GrowingFilm film(scene, plan, threads, progress);
   std::uint32_t first = 0;
   std::size_t photon_ranges = 0;
@@ -269,7 +269,7 @@ std::pair<TileSums, std::uint32_t> trace_film_by_ranges(
     first = end;
     if (end == steps.back()) break;
     const auto [sums, samples] = film.image();
-    if (!go_on(samples, sums)) break;
+    if (!wants_more(samples, sums)) break;
   }
   return std::move(film).image();
 }

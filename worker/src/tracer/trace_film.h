@@ -60,12 +60,12 @@ std::pair<TileSums, std::uint32_t> join_pieces(
     const FilmPlan& plan, std::size_t further,
     const std::function<TileSums(std::size_t piece)>& find);
 
-/// The same bits, one range of the whole film after the other: `go_on` is asked after each but the
-/// last one, with the samples of every pixel so far and their sums, and ends the image there by
+/// The same bits, one range of the whole film after the other: `wants_more` is asked after each but
+/// the last one, with the samples of every pixel so far and their sums, and ends the image there by
 /// false. Forward photons go along, as many for each sample in the part as in the whole.
 std::pair<TileSums, std::uint32_t> trace_film_by_ranges(
     const Scene& scene, const FilmPlan& plan, unsigned threads,
     const std::function<void(double)>& progress,
-    const std::function<bool(std::uint32_t, const TileSums&)>& go_on);
+    const std::function<bool(std::uint32_t, const TileSums&)>& wants_more);
 
 }  // namespace nocturne

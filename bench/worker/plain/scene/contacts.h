@@ -9,7 +9,7 @@ namespace nocturne {
 
 inline Contacts contacts_of(const Scene&, const Ray&, float, Hit&) { return {}; }
 inline Contacts contacts_of(const Geometry&, std::span<const SurfaceMaterial>,
-                            std::span<const MediumInterface>, const Ray&, float, Hit&) {
+                            std::span<const Interior>, const Ray&, float, Hit&) {
   return {};
 }
 

@@ -71,7 +71,7 @@ def write_current(
         manifest_text(samples),
         row.floating_point_profile,
         row.quantity,
-        row.doubt,
+        row.error_warning,
         row.truncated_paths,
         schedule.way,
         from_messages(schedule.warnings),

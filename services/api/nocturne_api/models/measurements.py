@@ -123,7 +123,7 @@ class Measurement(Answer):
 
     outline: Outline
     pixels: int
-    unseen_pixels: int = Field(description="In which no sample found light.")
+    zero_pixels: int = Field(description="In which no sample found light.")
     mean: float
     mean_error: float | None = Field(description=_ERROR)
     minimum: PixelValue
@@ -235,7 +235,7 @@ class Reading(Answer):
         "samples, 1.96 where errors are well known; null where they are not known."
     )
     pixels: int
-    unseen_pixels: int = Field(description="In which no sample found light.")
+    zero_pixels: int = Field(description="In which no sample found light.")
     samples: int = Field(description="Of all pixels together.")
     fewest_samples: int = Field(description="Of any pixel.")
     most_samples: int = Field(description="Of any pixel.")

@@ -34,10 +34,10 @@ class Progress(Answer):
         description="Root mean square over pixels of Y's standard error relative to Y, "
         "sqrt(mean(var / (Y^2 + 0.01 M^2))) with M the image's mean Y; 0: unknown."
     )
-    worst_share: float = Field(
+    top_percent_share: float = Field(
         description="Part of the square of relative_error that the worst 1 % of the pixels have; 0: unknown."
     )
-    effective_sample_size_of_pixels: float = Field(
+    effective_pixels: float = Field(
         description="Effective sample size (Kish) of the pixels that carry the error, (sum v)^2 / sum v^2 of "
         "their relative variances; 0: unknown."
     )
@@ -45,10 +45,10 @@ class Progress(Answer):
     mean_error: float = Field(
         description="Standard error of the mean; its 95 % interval is 1.96 of it to each side."
     )
-    unseen_pixels: int = Field(
+    zero_pixels: int = Field(
         description="Pixels in which no sample found any light: nothing is known of them but that it is rare."
     )
-    doubt: str = Field(
+    error_warning: str = Field(
         description="Why relative_error is not to be trusted, a sentence; empty: it is, as far as one image "
         "can tell."
     )
@@ -194,7 +194,7 @@ class Render(Answer):
     group: str = Field(description="Name of its group; empty: none.")
     after: str = Field(description="The group that has to end before it begins; empty: none.")
     tags: list[str] = Field(description="Words to sort renders by.")
-    out_of_reach: str = Field(
+    target_unreachable: str = Field(
         description="Why the error asked for will not be reached before a time ends the render, a sentence, "
         "by its rate so far; empty: it will, or nobody knows."
     )
@@ -278,8 +278,8 @@ class ConvergencePoint(Answer):
     time_s: float = Field(description="Seconds since the start of the render.")
     samples: float = Field(description="Mean samples per pixel.")
     relative_error: float = Field(description="As in Progress.")
-    worst_share: float = Field(description="As in Progress.")
-    effective_sample_size_of_pixels: float = Field(description="As in Progress.")
+    top_percent_share: float = Field(description="As in Progress.")
+    effective_pixels: float = Field(description="As in Progress.")
 
 
 class Convergence(Answer):

@@ -90,10 +90,10 @@ class Pilot(Answer):
     samples: int = Field(description="Per pixel of each render.")
     renders: int = Field(description="Independent renders of each model.")
     cpu_seconds: float = Field(description="What they took.")
-    wanted_cpu_seconds: float | None = Field(
+    recommended_cpu_seconds: float | None = Field(
         description="A budget that would show biases of half of the target; null: this one does."
     )
-    effective_sample_size_of_pixels: float = Field(description="As in Progress.")
+    effective_pixels: float = Field(description="As in Progress.")
     heavy_tails: bool = Field(
         description="Rare samples carry the noise: intervals and times are not to be trusted."
     )

@@ -8,9 +8,9 @@ from nocturne_coordinator.store.quotas import NO_QUOTA, Quota
 
 from nocturne_api.access import Caller, caller_of
 from nocturne_api.background.archiver import Archiver
-from nocturne_api.background.layers_maker import LayersMaker
+from nocturne_api.background.garbage_collector import GarbageCollector
+from nocturne_api.background.layer_builder import LayerBuilder
 from nocturne_api.background.space import DiskQuota, StorageLimits
-from nocturne_api.background.sweeper import Sweeper
 from nocturne_api.compiling.pool import CompileLimits, prepare
 from nocturne_api.models.workers import CoreHourPrice
 from nocturne_api.operations.assets import Assets
@@ -25,7 +25,7 @@ from nocturne_api.operations.render_streams import RenderStreams
 from nocturne_api.operations.renders import Groups, Renders
 from nocturne_api.operations.scenes import Imports, Preflights
 from nocturne_api.operations.webhooks import Webhooks
-from nocturne_api.operations.workers import Machines, Usages, Workers
+from nocturne_api.operations.workers import Machines, UsageReports, Workers
 from nocturne_api.webhooks.sender import WebhookSender
 from nocturne_api.webhooks.targets import TargetRules
 
@@ -44,14 +44,20 @@ class Operations:
         folder = access.folder
         objects = folder.object_store
         archiver = None if objects is None else Archiver(folder, access.writing, objects)
-        sweeper = Sweeper(folder, storage.unused_seconds)
+        garbage_collector = GarbageCollector(folder, storage.unused_seconds)
         space = DiskQuota(folder.root, storage.data_bytes)
-        layers_maker = LayersMaker(folder, access.writing, compile_limits, space)
+        layer_builder = LayerBuilder(folder, access.writing, compile_limits, space)
         sender = WebhookSender(folder.webhooks, access.writing, webhook_rules)
         self._access = access
-        self._background = [sender, *([archiver] if archiver else []), sweeper, space, layers_maker]
+        self._background = [
+            sender,
+            *([archiver] if archiver else []),
+            garbage_collector,
+            space,
+            layer_builder,
+        ]
 
-        self.renders = Renders(access, compile_limits, sweeper, space, layers_maker)
+        self.renders = Renders(access, compile_limits, garbage_collector, space, layer_builder)
         self.controls = RenderControls(access)
         self.streams = RenderStreams(access, self.renders)
         self.images = Images(access, self.renders, archiver)
@@ -63,7 +69,7 @@ class Operations:
         self.measurements = Measurements(access, self.renders)
         self.preflights = Preflights(access, compile_limits)
         self.workers = Workers(access)
-        self.usage = Usages(access, price)
+        self.usage = UsageReports(access, price)
         self.machines = Machines(access)
         self.webhooks = Webhooks(access, webhook_rules)
         self.assets = Assets(access, space)

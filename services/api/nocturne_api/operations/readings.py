@@ -69,7 +69,7 @@ def _answer(
         correlation=found.correlation,
         coverage_factor=known(found.coverage_factor),
         pixels=found.pixels,
-        unseen_pixels=found.unseen_pixels,
+        zero_pixels=found.zero_pixels,
         samples=found.samples,
         fewest_samples=found.samples_per_pixel[0],
         most_samples=found.samples_per_pixel[1],

@@ -17,9 +17,9 @@ from nocturne_scene.errors import NotFound
 
 from nocturne_api import limits
 from nocturne_api.access import CALLER
-from nocturne_api.background.layers_maker import LayersMaker
+from nocturne_api.background.garbage_collector import GarbageCollector
+from nocturne_api.background.layer_builder import LayerBuilder
 from nocturne_api.background.space import DiskQuota
-from nocturne_api.background.sweeper import Sweeper
 from nocturne_api.compiling.pool import CompileLimits
 from nocturne_api.compiling.turns import CompileTurns
 from nocturne_api.errors import Overloaded, RateLimited
@@ -50,15 +50,15 @@ class Renders:
         self,
         access: FolderAccess,
         compile_limits: CompileLimits,
-        sweeper: Sweeper,
+        garbage_collector: GarbageCollector,
         space: DiskQuota,
-        layers_maker: LayersMaker,
+        layer_builder: LayerBuilder,
     ) -> None:
         self._access = access
         self._space = space
         self._compile_limits = compile_limits
-        self._sweeper = sweeper
-        self._layers_maker = layers_maker
+        self._sweeper = garbage_collector
+        self._layers_maker = layer_builder
         self._compiling = CompileTurns()
         self._waiting: Counter[str] = Counter()
 
@@ -173,8 +173,8 @@ class Renders:
                 time_s=max(0.0, point.unix_time - (render.started or render.created)),
                 samples=point.samples,
                 relative_error=point.relative_error,
-                worst_share=point.worst_share,
-                effective_sample_size_of_pixels=point.effective_sample_size_of_pixels,
+                top_percent_share=point.top_percent_share,
+                effective_pixels=point.effective_pixels,
             )
             for point in history
         ]

@@ -110,7 +110,7 @@ class Machines:
         )
 
 
-class Usages:
+class UsageReports:
     """The usage of one data folder."""
 
     def __init__(self, access: FolderAccess, price: CoreHourPrice) -> None:

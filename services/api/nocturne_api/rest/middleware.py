@@ -113,8 +113,8 @@ def _secret(headers: Headers, sessions: Sessions) -> str:
 
 
 def _challenge(headers: Headers) -> dict[str, str]:
-    """Browsers ask for a Basic password by themselves where they open an address; the page asks in its own
-    way."""
+    """Browsers ask for a Basic password by themselves where they open an address; the page has its own
+    form."""
     is_script = headers.get("sec-fetch-dest", "document") != "document"
     challenge = {"WWW-Authenticate": "Bearer" if is_script else 'Basic realm="nocturne", Bearer'}
     if TOKEN_COOKIE in headers.get("cookie", ""):

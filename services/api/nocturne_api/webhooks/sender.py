@@ -29,8 +29,8 @@ PAUSES_S = (5.0, 300.0, 1800.0, 7200.0, 18000.0, 36000.0, 50400.0, 72000.0, 8640
 
 _LOOK_S = 1.0
 _TIMEOUT_S = 15.0
-# One to each address at a time, and so many of one owner: whoever's addresses take no messages waits, and
-# nobody else does.
+# One to each address at a time, and so many of one owner: only owners whose addresses take no messages
+# wait.
 _AT_ONCE = 64
 _OF_OWNER = 4
 _GONE = 410
@@ -162,7 +162,7 @@ def body_of(message: WebhookMessage) -> bytes:
             "name": message.name,
             "state": message.state,
             "reason": message.reason,
-            "doubt": message.doubt,
+            "error_warning": message.error_warning,
         },
     }
     return json.dumps(content, separators=(",", ":"), ensure_ascii=False).encode("utf-8", "replace")

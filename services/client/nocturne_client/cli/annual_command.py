@@ -45,7 +45,7 @@ def annual(
     patches: Annotated[int, typer.Option("--patches", help="Of the sky: 145, 577 or 2305.")] = 577,
     sun_patches: Annotated[
         int,
-        typer.Option("--sun-patches", help="Of the sky, for the Sun by way of surfaces: 145, 577 or 2305."),
+        typer.Option("--sun-patches", help="Of the sky, for sunlight via surfaces: 145, 577 or 2305."),
     ] = 2305,
     samples: Annotated[int, typer.Option("--samples", min=64, help="Of each point, at most.")] = 8192,
     batches: Annotated[
@@ -73,6 +73,32 @@ def annual(
     ground: Annotated[
         float, typer.Option("--ground", min=0, max=1, help="Reflectance of the ground beyond the scene.")
     ] = 0.2,
+    blinds: Annotated[
+        Path | None,
+        typer.Option(
+            "--blinds",
+            metavar="SCENE.json",
+            help="The same scene with its blinds closed: in hours in which more than 2 % of the points have "
+            "1000 lx or more straight from the Sun (LM-83-12), or by --schedule.",
+        ),
+    ] = None,
+    schedule: Annotated[
+        Path | None,
+        typer.Option(
+            "--schedule", metavar="FILE", help="8760 lines, 1 for each hour with closed blinds, else 0."
+        ),
+    ] = None,
+    eye: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--eye",
+            metavar="NAME",
+            help="An instrument at an eye, of an upright plane: simplified DGP; it is no point of the room.",
+        ),
+    ] = None,
+    melanopic: Annotated[
+        bool, typer.Option("--melanopic", help="Also melanopic EDI, in twice the time; all daylight is D65.")
+    ] = False,
     threads: Threads = 0,
     seed: Annotated[int | None, typer.Option("--seed", min=0, help="Instead of the scene's own.")] = None,
     settings: Settings = None,
@@ -93,6 +119,8 @@ def annual(
     from nocturne_client.local.daylight_rounds import Rounds
     from nocturne_client.outputs import check_output
 
+    if schedule is not None and blinds is None:
+        raise NocturneClientError("--schedule is of blinds; expected --blinds, too")
     if batches % GROUPS:
         raise NocturneClientError(f"--batches {batches}: expected a multiple of {GROUPS}")
     for option, count in (("--patches", patches), ("--sun-patches", sun_patches)):
@@ -117,6 +145,10 @@ def annual(
         lux=lux,
         sure=sure,
         changes=changes_of(settings, "", ""),
+        blinds=blinds,
+        schedule=schedule,
+        eyes=tuple(eye or ()),
+        melanopic=melanopic,
     )
     found = study(asked, lambda said: ERRORS.print(said, markup=False, soft_wrap=True, highlight=False))
     for path, made in writers:

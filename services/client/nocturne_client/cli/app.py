@@ -10,11 +10,13 @@ from nocturne_client.cli import (
     annual_command,
     compare_commands,
     demo_command,
+    help_panels,
     light_commands,
     local_commands,
     measure_commands,
     parts_commands,
     preflight_command,
+    report_command,
     service_commands,
     token_commands,
     up_commands,
@@ -28,10 +30,16 @@ from nocturne_client.version import installed_version
 
 app = typer.Typer(
     name="nocturne",
-    help="Render scenes into spectral images in absolute units, with error bars.",
-    epilog="Exit status: 0 done; 1 the render failed or was cancelled, or something is missing; "
-    "2 wrong arguments or input; 3 no service there; 4 some tiles of the image lack samples; "
-    "130 interrupted.",
+    help="""Render scenes into spectral images in absolute units (cd/m2, lx, cd), with error bars.
+
+    One image, here: nocturne render scene.json -o image.exr --error 2%
+
+    On a service: nocturne up, and in another shell nocturne submit scene.json --error 2% --watch
+
+    Missing programs: nocturne doctor
+    """,
+    epilog="Exit status: 0 done; 1 failed, or images differ; 2 wrong arguments or input; 3 no service there; "
+    "4 some tiles lack samples; 130 interrupted.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
 )
@@ -52,7 +60,7 @@ def options(
         bool, typer.Option("--version", help="Show the version.", callback=_show_version, is_eager=True)
     ] = False,
 ) -> None:
-    """Render scenes into spectral images in absolute units, with error bars."""
+    """Options of the program itself."""
 
 
 service_commands.add_to(app)
@@ -66,8 +74,10 @@ parts_commands.add_to(app)
 preflight_command.add_to(app)
 validate_command.add_to(app)
 annual_command.add_to(app)
+report_command.add_to(app)
 app.add_typer(token_commands.app)
 app.add_typer(webhook_commands.app)
+help_panels.arrange(app)
 
 
 def main() -> None:

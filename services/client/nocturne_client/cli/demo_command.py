@@ -1,4 +1,4 @@
-"""`nocturne demo`: the Cornell box, rendered by a service of one's own, and what there is to see."""
+"""`nocturne demo`: the Cornell box, rendered by a service on this machine, and where to look."""
 
 import math
 import os
@@ -149,10 +149,10 @@ def _error(progress: Progress, unit: str) -> str:
         f"Its error: a pixel is off by about {100.0 * error:.2g} % of its luminance, the grain that you see.",
         f"The mean of all is known much better: {mean:.{digits}f} +- {interval:.{digits}f} {unit} (95 %).",
     ]
-    if progress.doubt:
+    if progress.error_warning:
         lines += [
             "Both are estimates from the same samples, and may be too small:",
-            f"{progress.doubt} That is usual for a first look; more samples help.",
+            f"{progress.error_warning} That is usual for a first look; more samples help.",
         ]
     return "\n".join(lines)
 

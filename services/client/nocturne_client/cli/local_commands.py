@@ -140,7 +140,8 @@ def import_scene(
         Path,
         typer.Argument(
             metavar="FILE",
-            help="Mitsuba 3 or 0.x (.xml), pbrt-v4 or v3 (.pbrt), glTF (.gltf, .glb), or a .zip of one.",
+            help="Mitsuba 3 or 0.x (.xml), pbrt-v4 or v3 (.pbrt), glTF (.gltf, .glb), Radiance (.rad), "
+            "or a .zip of one.",
         ),
     ],
     output: Annotated[

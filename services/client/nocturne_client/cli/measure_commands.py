@@ -160,7 +160,7 @@ def point(
 
 
 def file_named(target: str) -> Path | None:
-    """A file by its ending, so that what is missing is told as such."""
+    """A file by its ending, so that a missing one is reported as such."""
     if target.lower().endswith(".exr"):
         return Path(target)
     if Path(target).suffix and Path(target).is_file():

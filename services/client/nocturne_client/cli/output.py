@@ -73,13 +73,13 @@ def print_render(render: Render, as_json: bool, price: Usage | None = None) -> N
         *([("layers", ", ".join(render.layers))] if render.layers else []),
         ("relative error", _error(progress)),
         (_mean_name(render), _mean(render)),
-        ("nothing seen", f"in {progress.unseen_pixels:,} of {render.width * render.height:,} pixels"),
+        ("nothing seen", f"in {progress.zero_pixels:,} of {render.width * render.height:,} pixels"),
         ("invalid samples", f"{progress.invalid_samples:,}"),
         *([("truncated paths", _truncated(progress.truncated_paths))] if progress.truncated_paths else []),
         ("processor time", _processor_time(progress, price)),
         ("stops at", _stop(render)),
         ("forecast", _forecast(render)),
-        *([("out of reach", render.out_of_reach)] if render.out_of_reach else []),
+        *([("out of reach", render.target_unreachable)] if render.target_unreachable else []),
         *([("tags", ", ".join(render.tags))] if render.tags else []),
         ("priority", f"{render.priority}" + (f", for {render.owner}" if render.owner else "")),
         ("audited", _audited(progress)),
@@ -132,9 +132,9 @@ def print_usage(usage: Usage) -> None:
 def _error(progress: Progress) -> str:
     """The relative error, and why it is not to be trusted, if so."""
     if not progress.relative_error:
-        return progress.doubt or "not known yet"
+        return progress.error_warning or "not known yet"
     error = f"{progress.relative_error:.3%}"
-    return f"{error}, not to be trusted: {progress.doubt}" if progress.doubt else error
+    return f"{error}, not to be trusted: {progress.error_warning}" if progress.error_warning else error
 
 
 def _mean_name(render: Render) -> str:
@@ -245,9 +245,9 @@ def print_renders(renders: list[Render], as_json: bool) -> None:
         table.add_row(*(escape(text) for text in row))
     # Lines that are too long for the terminal go on in its next one.
     Console(highlight=False, width=width).print(table)
-    if any(render.progress.doubt for render in renders):
+    if any(render.progress.error_warning for render in renders):
         ERRORS.print("[dim]? the error is not to be trusted; `nocturne get ID` says why[/]")
-    if any(render.out_of_reach for render in renders):
+    if any(render.target_unreachable for render in renders):
         ERRORS.print("[dim]! will end without the error asked for; `nocturne get ID` says by how much[/]")
 
 
@@ -263,8 +263,8 @@ def _row_of(render: Render) -> tuple[str, ...]:
         render.state,
         f"{render.width}x{render.height}",
         f"{render.fraction:.0%}",
-        f"{error:.2%}{'?' if render.progress.doubt else ''}" if error else "",
-        time_left(render) + ("!" if render.out_of_reach else ""),
+        f"{error:.2%}{'?' if render.progress.error_warning else ''}" if error else "",
+        time_left(render) + ("!" if render.target_unreachable else ""),
         duration(time.time() - render.created),
     )
 

@@ -83,8 +83,8 @@ def about(render: Render) -> str:
     progress = render.progress
     parts = [f"{progress.mean_samples:,.0f}/{render.samples:,} samples"]
     if progress.relative_error:
-        doubt = " (not to be trusted)" if progress.doubt else ""
-        parts.append(f"error {progress.relative_error:.2%}{doubt}")
+        error_warning = " (not to be trusted)" if progress.error_warning else ""
+        parts.append(f"error {progress.relative_error:.2%}{error_warning}")
     if not render.has_ended:
         parts.append(f"{progress.samples_per_second:,.0f} samples/s")
         parts.append(f"{progress.rays_per_second:,.0f} rays/s")

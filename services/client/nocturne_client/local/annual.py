@@ -1,23 +1,32 @@
 """`nocturne annual`: a year of daylight at a scene's meters, each figure with its interval."""
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from nocturne_scene.daylight import metrics
-from nocturne_scene.daylight.coefficients import Coefficients, Layout, illuminances
+from nocturne_scene.daylight.coefficients import (
+    Coefficients,
+    Illuminances,
+    Layout,
+    hours_of_sun,
+    illuminances,
+    with_blinds,
+)
 from nocturne_scene.daylight.metrics import Counting, Estimate, Share
 from nocturne_scene.daylight.weather_files import BadWeatherFileError, WeatherYear, read_epw
 from nocturne_scene.daylight.year_of_skies import YearOfSkies, skies_of
 from nocturne_scene.spectra.published import Floats
+from numpy.typing import NDArray
 
 from nocturne_client.errors import NocturneClientError
-from nocturne_client.local.daylight_rounds import Points, Rounds, daylight_scene, rounds
+from nocturne_client.local.daylight_rounds import DaylightScene, Points, Rounds, daylight_scene, rounds
 
 _TOGETHER = 16
 """Points whose hours are in memory at once."""
+_HOURS = 8760
 _WORTH_LOOKING = 32
 """Samples of each batch, from which on figures are made."""
 
@@ -29,7 +38,7 @@ ASE_VERDICT = 0.10
 
 @dataclass(frozen=True)
 class Annual:
-    """What is asked for."""
+    """The study that is asked for."""
 
     scene: Path
     weather: Path
@@ -37,18 +46,45 @@ class Annual:
     rounds: Rounds
     north: Floats | None
     ground_reflectance: float
-    """Of what lies beyond the scene."""
+    """Of the ground beyond the scene."""
     hours: tuple[float, float]
     """Of the day, from and to."""
     lux: float
     sure: float
     """With which probability a verdict ends the rounds."""
     changes: Mapping[str, Any]
+    blinds: Path | None = None
+    """The scene with its blinds closed."""
+    schedule: Path | None = None
+    """In which hours they are; without, by the Sun."""
+    eyes: tuple[str, ...] = ()
+    """Instruments that are no part of the room's points."""
+    melanopic: bool = False
+
+
+@dataclass(frozen=True)
+class Traces:
+    """Coefficients by which a year is measured."""
+
+    opened: Coefficients
+    closed: Coefficients | None = None
+    """Of the scene with its blinds closed."""
+    melanopic: "Traces | None" = None
+    """Of melanopic equivalent daylight illuminances."""
+
+    def lit(
+        self, some: slice, skies: YearOfSkies, layout: Layout, closed: NDArray[np.bool_] | None
+    ) -> Illuminances:
+        """Hours of some points; `closed`: in which of them blinds are."""
+        found = illuminances(self.opened.of_points(some), skies, layout)
+        if self.closed is None or closed is None:
+            return found
+        return with_blinds(found, illuminances(self.closed.of_points(some), skies, layout), closed)
 
 
 @dataclass(frozen=True)
 class YearOfLight:
-    """What was found."""
+    """The results."""
 
     year: WeatherYear
     points: Points
@@ -65,11 +101,18 @@ class YearOfLight:
     hourly: Estimate
     """Mean over the points of each hour of the year, lx."""
     is_sure: bool
+    room: NDArray[np.intp]
+    """Numbers of the points that are the room's, and no eyes."""
+    of_eyes: Mapping[str, Estimate]
+    """Further figures, by eye."""
+    eyes: NDArray[np.intp]
+    blinds_closed: float | None = None
+    """Part of the hours that count; None: there are no blinds."""
 
     def verdicts(self) -> list[tuple[str, float]]:
         """Statements, each with the probability that it is true."""
         said = [(f"sDA >= {part:.0%}", self.sda.at_least(part)) for part in SDA_VERDICTS]
-        count = len(self.points.pixels)
+        count = len(self.room)
         # At most a tenth sunny: one more would be too many.
         too_many = (np.floor(ASE_VERDICT * count + 1e-9) + 1) / count
         return [*said, (f"ASE <= {ASE_VERDICT:.0%}", 1.0 - self.ase.at_least(float(too_many)))]
@@ -81,17 +124,48 @@ def study(asked: Annual, told: Callable[[str], None]) -> YearOfLight:
     scene = daylight_scene(asked.scene, asked.changes, asked.north)
     skies = skies_of(year, asked.layout.sky, asked.ground_reflectance)
     counting = counting_of(year, skies, asked.hours, asked.lux)
+    hours = None if asked.schedule is None else read_schedule(asked.schedule)[skies.hours]
     found = None
-    for coefficients in rounds(scene, asked.layout, skies, asked.rounds, told):
-        if coefficients.samples < min(_WORTH_LOOKING, asked.rounds.samples):
+    for traces in _traces(asked, scene, skies, told):
+        if traces.opened.samples < min(_WORTH_LOOKING, asked.rounds.samples):
             continue
-        found = measure(year, scene.points, skies, asked.layout, counting, coefficients, asked.sure)
+        found = measure(
+            year, scene.points, skies, asked.layout, counting, traces, asked.sure, hours, asked.eyes
+        )
         said = ", ".join(f"P({name}) {probability:.3f}" for name, probability in found.verdicts())
         told(f"{found.samples} samples a point: sDA {found.sda.value:.1%}; {said}")
         if found.is_sure:
             break
     assert found is not None  # noqa: S101 - the last round is one to look at
     return found
+
+
+def _traces(
+    asked: Annual, scene: DaylightScene, skies: YearOfSkies, told: Callable[[str], None]
+) -> Iterator[Traces]:
+    """Rounds of the open and the closed state, and of both as melanopsin sees them."""
+    scenes = [scene]
+    if asked.blinds is not None:
+        scenes.append(daylight_scene(asked.blinds, asked.changes, asked.north))
+        if not np.array_equal(scenes[1].points.places, scene.points.places):
+            raise NocturneClientError(f"{asked.blinds}: expected the same meters as in {asked.scene}")
+    ways = [asked.rounds] + ([replace(asked.rounds, melanopic=True)] if asked.melanopic else [])
+    runs = [rounds(each, asked.layout, skies, way, told) for way in ways for each in scenes]
+    for found in zip(*runs, strict=True):
+        states = [Traces(*found[at : at + len(scenes)]) for at in range(0, len(found), len(scenes))]
+        yield replace(states[0], melanopic=states[1]) if asked.melanopic else states[0]
+
+
+def read_schedule(path: Path) -> NDArray[np.bool_]:
+    """A number for each of the 8760 hours, one a line: 1 where blinds are closed. Raises
+    NocturneClientError."""
+    try:
+        lines = path.read_text(encoding="utf-8", errors="replace").split()
+    except OSError as error:
+        raise NocturneClientError(f"{path}: {error.strerror}") from error
+    if len(lines) != _HOURS or {*lines} - {"0", "1"}:
+        raise NocturneClientError(f"{path}: expected {_HOURS} lines, each 0 or 1, found {len(lines)}")
+    return np.array([line == "1" for line in lines])
 
 
 def read_weather(path: Path) -> WeatherYear:
@@ -119,39 +193,92 @@ def measure(
     skies: YearOfSkies,
     layout: Layout,
     counting: Counting,
-    coefficients: Coefficients,
+    traces: Traces,
     sure: float,
+    closed: NDArray[np.bool_] | None = None,
+    eyes: Sequence[str] = (),
 ) -> YearOfLight:
-    """The year's figures of coefficients."""
-    batches = len(coefficients.sky)
-    made: dict[str, list[Floats]] = {}
-    by_hour = np.zeros((batches, len(skies.hours)))
-    for first in range(0, coefficients.points, _TOGETHER):
-        lit = illuminances(coefficients.of_points(slice(first, first + _TOGETHER)), skies, layout)
-        by_hour += lit.whole.sum(axis=1)
-        for name, values in metrics.replicates(lit, counting.figures()).items():
-            made.setdefault(name, []).append(values)
-    by_hour /= coefficients.points
-    whole = {name: np.concatenate(values, axis=1) for name, values in made.items()}
-    by_point = {name: metrics.jackknife(values) for name, values in whole.items()}
-    means = {name: metrics.jackknife(values.mean(axis=1)) for name, values in whole.items()}
-    sda = metrics.share_of_points(by_point["DA"], metrics.SDA_HOURS)
+    """The year's figures of coefficients. `closed`: of the hours with light, those with closed blinds; None:
+    by the Sun. `eyes`: names of instruments. Raises NocturneClientError."""
+    is_eye = _are_eyes(points, eyes)
+    room, of_eyes = np.flatnonzero(~is_eye), np.flatnonzero(is_eye)
+    if traces.closed is not None and closed is None:
+        closed = hours_of_sun(traces.opened.of_points(room), skies)
+    made, hourly = _figures(traces, skies, layout, counting, closed, room)
+    by_point = {name: metrics.jackknife(values) for name, values in made.items()}
+    of_room = {name: each[:, room] for name, each in made.items()}
+    means = {name: metrics.jackknife(values.mean(axis=1)) for name, values in of_room.items()}
+    eye_names = [*counting.eye_figures(), *(counting.melanopic_figures() if traces.melanopic else {})]
+    seen = {name: _of(by_point[name], of_eyes) for name in eye_names} if eyes else {}
+    for name in counting.eye_figures():
+        if name not in counting.figures():
+            del by_point[name], means[name]
+    sda = metrics.share_of_points(_of(by_point["DA"], room), metrics.SDA_HOURS)
     # More hours than the limit.
-    ase = metrics.share_of_points(by_point["sun hours"], metrics.ASE_HOURS + 0.5)
-    hourly = Estimate(np.zeros(len(year.hour)), np.zeros(len(year.hour)), batches - 1)
-    hourly.value[skies.hours] = by_hour.mean(axis=0)
-    hourly.error[skies.hours] = by_hour.std(axis=0, ddof=1) / np.sqrt(batches)
+    ase = metrics.share_of_points(_of(by_point["sun hours"], room), metrics.ASE_HOURS + 0.5)
     chances = [sda.at_least(part) for part in SDA_VERDICTS]
+    batches = len(traces.opened.sky)
+    of_year = Estimate(np.zeros(len(year.hour)), np.zeros(len(year.hour)), batches - 1)
+    of_year.value[skies.hours] = hourly.mean(axis=0)
+    of_year.error[skies.hours] = hourly.std(axis=0, ddof=1) / np.sqrt(batches)
+    shut = None
+    if traces.closed is not None and closed is not None:
+        shut = float(np.count_nonzero(closed & counting.occupied)) / counting.hours
     return YearOfLight(
         year=year,
         points=points,
         batches=batches,
-        samples=batches * coefficients.samples,
+        samples=batches * traces.opened.samples,
         hours=counting.hours,
         by_point=by_point,
         means=means,
         sda=sda,
         ase=ase,
-        hourly=hourly,
+        hourly=of_year,
         is_sure=all(each >= sure or each <= 1.0 - sure for each in chances),
+        room=room,
+        of_eyes=seen,
+        eyes=of_eyes,
+        blinds_closed=shut,
     )
+
+
+def _are_eyes(points: Points, eyes: Sequence[str]) -> NDArray[np.bool_]:
+    """By point. Raises NocturneClientError where an instrument is not there, or nothing but eyes is."""
+    for name in eyes:
+        if name not in points.names:
+            known = ", ".join(dict.fromkeys(points.names))
+            raise NocturneClientError(f"--eye {name}: no instrument has this name; expected one of {known}")
+    found = np.isin(points.names, list(eyes))
+    if found.all():
+        raise NocturneClientError("all instruments are eyes; expected points of the room, too")
+    return np.asarray(found)
+
+
+def _of(each: Estimate, points: NDArray[np.intp]) -> Estimate:
+    return Estimate(each.value[points], each.error[points], each.degrees)
+
+
+def _figures(
+    traces: Traces,
+    skies: YearOfSkies,
+    layout: Layout,
+    counting: Counting,
+    closed: NDArray[np.bool_] | None,
+    room: NDArray[np.intp],
+) -> tuple[dict[str, Floats], Floats]:
+    """Replicates of all figures by point, and the mean over the room's points by batch and hour."""
+    made: dict[str, list[Floats]] = {}
+    opened = traces.opened
+    by_hour = np.zeros((len(opened.sky), len(skies.hours)))
+    for first in range(0, opened.points, _TOGETHER):
+        some = slice(first, first + _TOGETHER)
+        lit = traces.lit(some, skies, layout, closed)
+        by_hour += lit.whole[:, room[(room >= first) & (room < first + _TOGETHER)] - first].sum(axis=1)
+        wanted = [(lit, counting.eye_figures() | counting.figures())]
+        if traces.melanopic is not None:
+            wanted.append((traces.melanopic.lit(some, skies, layout, closed), counting.melanopic_figures()))
+        for of_light, figures in wanted:
+            for name, values in metrics.replicates(of_light, figures).items():
+                made.setdefault(name, []).append(values)
+    return {name: np.concatenate(values, axis=1) for name, values in made.items()}, by_hour / len(room)

@@ -20,6 +20,7 @@ UNITS = {
     "sun hours": "h",
     "mean illuminance": "lx",
     "lux hours of the year": "lx h",
+    "melanopic EDI": "lx",
 }
 """Of figures; all others are parts of the hours."""
 
@@ -34,7 +35,8 @@ def as_json(found: YearOfLight) -> dict[str, Any]:
         "hours": found.hours,
         "batches": found.batches,
         "samples": found.samples,
-        "sDA": _share(found.sda),
+        **({} if found.blinds_closed is None else {"blinds closed": found.blinds_closed}),
+        "sDA": {**_share(found.sda), "probabilities": found.sda.probabilities.tolist()},
         "ASE": _share(found.ase),
         "verdicts": [{"says": said, "probability": chance} for said, chance in found.verdicts()],
         "means": {name: _estimate(each) for name, each in found.means.items()},
@@ -48,6 +50,17 @@ def as_json(found: YearOfLight) -> dict[str, Any]:
                 },
             }
             for i in range(len(found.points.names))
+        ],
+        "eyes": [
+            {
+                "instrument": found.points.names[i],
+                "place": found.points.places[i].tolist(),
+                **{
+                    name: _estimate(Estimate(each.value[at], each.error[at], each.degrees))
+                    for name, each in found.of_eyes.items()
+                },
+            }
+            for at, i in enumerate(found.eyes)
         ],
     }
 
@@ -113,15 +126,23 @@ def _csv(rows: Sequence[Sequence[Any]]) -> str:
 
 
 def lines(found: YearOfLight) -> list[str]:
-    """What there is to say, to read."""
-    said = [f"{found.year.name}: {found.hours} hours, {len(found.points.names)} points, 95 % intervals"]
+    """The results as lines to read."""
+    said = [f"{found.year.name}: {found.hours} hours, {len(found.room)} points, 95 % intervals"]
+    if found.blinds_closed is not None:
+        said.append(f"blinds are closed in {found.blinds_closed:.1%} of the hours")
     for name, share in (("sDA300,50%", found.sda), ("ASE1000,250h", found.ase)):
         said.append(f"{name} {share.value:.1%} ({share.low:.1%} to {share.high:.1%}) of the points")
     said += [f"P({statement}) = {chance:.3f}" for statement, chance in found.verdicts()]
-    for name, each in found.means.items():
-        half = float(each.interval()[1] - each.value)
-        if unit := UNITS.get(name, ""):
-            said.append(f"{name}: {rounded(float(each.value), 4)} +- {rounded(half, 2)} {unit}")
-        else:
-            said.append(f"{name}: {100 * float(each.value):.2f} +- {100 * half:.2f} %")
+    said += [f"{name}: {_told(name, each)}" for name, each in found.means.items()]
+    for at, i in enumerate(found.eyes):
+        for name, each in found.of_eyes.items():
+            one = Estimate(each.value[at], each.error[at], each.degrees)
+            said.append(f"{found.points.names[i]}, {name}: {_told(name, one)}")
     return said
+
+
+def _told(name: str, each: Estimate) -> str:
+    half = float(each.interval()[1] - each.value)
+    if unit := UNITS.get(name, ""):
+        return f"{rounded(float(each.value), 4)} +- {rounded(half, 2)} {unit}"
+    return f"{100 * float(each.value):.2f} +- {100 * half:.2f} %"

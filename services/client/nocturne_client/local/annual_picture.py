@@ -7,23 +7,11 @@ import numpy as np
 from nocturne_scene.spectra.published import Floats
 
 from nocturne_client.local.annual import YearOfLight
+from nocturne_client.local.false_colour import COLOURS, step_colour
 
 _WIDTH, _MARGIN = 760, 50
 _LEGEND = 90
 _LUX = (50.0, 100.0, 200.0, 300.0, 500.0, 750.0, 1000.0, 2000.0, 5000.0)
-# Of viridis (S. van der Walt, N. Smith, 2015), from dark to bright.
-_COLOURS = (
-    "#440154",
-    "#482878",
-    "#3e4989",
-    "#31688e",
-    "#26828e",
-    "#1f9e89",
-    "#35b779",
-    "#6ece58",
-    "#b5de2b",
-    "#fde725",
-)
 _PARTS = tuple(0.1 * i for i in range(1, 10))
 _MONTHS = ("Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec")
 
@@ -68,7 +56,7 @@ def _plan(name: str, values: Floats, top: float) -> tuple[list[str], float]:
     for row in range(rows):
         for column in range(columns):
             x, y = _MARGIN + column * cell, top + row * cell
-            colour = _colour(values[row, column], _PARTS)
+            colour = step_colour(values[row, column], _PARTS)
             parts.append(_rectangle(x, y, cell, cell, colour))
             if cell >= 22:
                 ink = "#000" if values[row, column] > 0.6 else "#fff"
@@ -90,7 +78,7 @@ def _year(found: YearOfLight, top: float) -> tuple[list[str], float]:
     for hour in range(24):
         y = top + (23 - hour) * height
         # Equal neighbours are one rectangle.
-        colours = [_colour(value, _LUX) if value > 0 else "#111" for value in lux[:, hour]]
+        colours = [step_colour(value, _LUX) if value > 0 else "#111" for value in lux[:, hour]]
         first = 0
         for day in range(1, len(colours) + 1):
             if day < len(colours) and colours[day] == colours[first]:
@@ -109,14 +97,10 @@ def _year(found: YearOfLight, top: float) -> tuple[list[str], float]:
     return parts, 24 * height
 
 
-def _colour(value: float, steps: Sequence[float]) -> str:
-    return _COLOURS[int(np.searchsorted(steps, value, side="right"))]
-
-
 def _legend(x: float, top: float, labels: Sequence[str]) -> list[str]:
     """Steps from below, the largest above."""
     parts = []
-    for i, colour in enumerate(reversed(_COLOURS)):
+    for i, colour in enumerate(reversed(COLOURS)):
         parts.append(_rectangle(x, top + 16 * i, 16, 16, colour))
         if i < len(labels):
             parts.append(_text(x + 22, top + 16 * (i + 1) + 4, labels[-1 - i], 11))

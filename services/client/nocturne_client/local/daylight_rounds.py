@@ -10,8 +10,9 @@ from typing import Any
 
 import numpy as np
 import OpenEXR
-from nocturne.v1 import job_pb2
+from nocturne.v1 import job_pb2, scene_pb2
 from nocturne_scene.compile.meters import places_of
+from nocturne_scene.compile.spectra import response
 from nocturne_scene.daylight.coefficients import Coefficients, Layout
 from nocturne_scene.daylight.patches import Patches
 from nocturne_scene.daylight.year_of_skies import YearOfSkies
@@ -21,6 +22,7 @@ from nocturne_scene.document.model import SceneDocument
 from nocturne_scene.document.read import check_document
 from nocturne_scene.document.sensors import Meters
 from nocturne_scene.document.skies import StandardSky, WeatherSky
+from nocturne_scene.spectra import published
 from nocturne_scene.spectra.published import Floats
 from numpy.typing import NDArray
 
@@ -147,6 +149,8 @@ class Rounds:
     """At most, of each batch."""
     threads: int
     seed: int | None
+    melanopic: bool = False
+    """Measure melanopic equivalent daylight illuminance instead of illuminance, all daylight being D65."""
 
 
 def rounds(
@@ -156,7 +160,7 @@ def rounds(
     asked: Rounds,
     told: Callable[[str], None] = lambda _: None,
 ) -> Iterator[Coefficients]:
-    """Coefficients of more and more samples. Each batch is a film of its own, with other random numbers.
+    """Coefficients of more and more samples. Each batch is a separate film, with other random numbers.
 
     Raises NocturneClientError.
     """
@@ -241,13 +245,15 @@ class Traced:
         seed = {} if asked.seed is None else {"tracing.seed": asked.seed}
         film, samples = scene.points.film, asked.batches * asked.samples
         self._compiled = compile_parts(on_disk, folder, film, samples, seed, "the scene")
+        if asked.melanopic:
+            _see_as_melanopsin(self._compiled.scene)
         for line in self._compiled.said():
             told(line)
 
     def trace(
         self, first: int, end: int, suns: Path | None = None, count: int = 0
     ) -> tuple[Floats, Floats, Floats]:
-        """Sums of samples by batch and point: by ways, straight or not, and patches; by sun; across suns."""
+        """Sums of samples by batch and point: by path, straight or not, and patches; by sun; across suns."""
         asked, (width, height) = self._asked, self._scene.points.film
         schedule = job_pb2.RangeSchedule(
             width=width, height=height * asked.batches, tile_size=16, range_ends=[end]
@@ -268,6 +274,20 @@ class Traced:
             part.reshape(asked.batches, of_batch, -1)[:, self._scene.points.pixels] for part in parts
         )
         return sky.reshape(*sky.shape[:2], 2, -1), of_suns, across[..., 0]
+
+
+def _see_as_melanopsin(scene: Path) -> None:
+    """Changes the responses of a compiled scene: daylight of 1 lx and D65 reads 1 (CIE S 026/E:2018)."""
+    message = scene_pb2.CompiledScene.FromString(scene.read_bytes())
+    wavelengths = published.visible_wavelengths()
+    action = published.alpha_opic_spectra()[:, published.ALPHA_OPIC.index("melanopic")]
+    curve = np.interp(wavelengths, published.colour_wavelengths(), action, left=0.0, right=0.0)
+    daylight = np.interp(wavelengths, *published.illuminant("D65"))
+    seen = response()[:, 1]
+    curve = curve * (seen @ daylight) / (curve @ daylight)
+    for of_sensor in (message.sensor.response_x, message.sensor.response_y, message.sensor.response_z):
+        of_sensor[:] = curve.tolist()
+    scene.write_bytes(message.SerializeToString(deterministic=True))
 
 
 def _ends(samples: int) -> Iterator[int]:

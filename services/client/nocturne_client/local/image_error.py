@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import OpenEXR
 from nocturne_coordinator.dispatch.error_estimate import ErrorEstimate, estimate_error
-from nocturne_coordinator.dispatch.trust import CONFIDENCE, doubt_of
+from nocturne_coordinator.dispatch.trust import CONFIDENCE, error_warning_of
 from nocturne_scene.compare.images import read_picture
 from nocturne_scene.errors import InputError
 from nocturne_scene.quantities import Quantity, quantity_named
@@ -28,9 +28,9 @@ class ImageError:
     """Of the scene, in words, where they are not the usual ones."""
 
     @property
-    def doubt(self) -> str:
+    def error_warning(self) -> str:
         """Why the error is not to be trusted; empty: it is, as far as one image can tell."""
-        return doubt_of(self.estimate)
+        return error_warning_of(self.estimate)
 
     def __str__(self) -> str:
         estimate, quantity = self.estimate, self.quantity
@@ -44,12 +44,12 @@ class ImageError:
             return f"{mean}; one sample per pixel gives no error."
         told = f"{mean}{self._colour()} (95 %), relative error {estimate.relative_error:.3%}"
         unseen = (
-            f"; nothing seen in {estimate.unseen_pixels:,} of {estimate.pixels:,} pixels"
-            if estimate.unseen_pixels
+            f"; nothing seen in {estimate.zero_pixels:,} of {estimate.pixels:,} pixels"
+            if estimate.zero_pixels
             else ""
         )
-        doubt = f"; the error is not to be trusted: {self.doubt}" if self.doubt else "."
-        return told + unseen + doubt
+        doubtful = f"; the error is not to be trusted: {self.error_warning}" if self.error_warning else "."
+        return told + unseen + doubtful
 
     def _colour(self) -> str:
         """u' and v' with their intervals; empty where these are not known."""

@@ -21,13 +21,13 @@ from nocturne_client.outputs import check_output, put
 MOST = 10_000_000
 """Photons; their rays take 160 bytes each while they are written."""
 
-# Each photon is a ray of its own.
+# Each photon is one ray.
 _TRACING = {"tracing.direction": "forward", "tracing.photons_together": 1}
 
 
 @dataclass(frozen=True)
 class Asked:
-    """What is traced, and where the file goes."""
+    """The lamp to trace, and where the file goes."""
 
     scene: Path
     output: Path

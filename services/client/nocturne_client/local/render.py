@@ -96,7 +96,7 @@ def check_outputs(outputs: Sequence[Path]) -> None:
 def finish_image(image: Path, layers: Path | None, outputs: Sequence[Path]) -> ImageError:
     """Gives the tracer's EXR the bytes of the service's, and writes it where it is to go."""
     error = image_error(image)
-    write_as_the_service_does(image, error.doubt, layers)
+    write_as_the_service_does(image, error.error_warning, layers)
     for path in outputs:
         _write(image, path)
     return error
@@ -183,13 +183,17 @@ def _show(lines: IO[str] | None, name: str) -> str:
     return said
 
 
-def write_as_the_service_does(image: Path, doubt: str = "", layers: Path | None = None) -> None:
+def write_as_the_service_does(image: Path, error_warning: str = "", layers: Path | None = None) -> None:
     """Writes the tracer's EXR again, so that it has the very bytes of the service's: with why its errors are
     not to be trusted, with layers, and compressed by the same library."""
     beside = read_layers(layers) if layers else NO_LAYERS
     with OpenEXR.File(str(image), separate_channels=True) as file:
         before = {name: channel.pixels for name, channel in file.channels().items()}
-        header = {**file.header(), **({"nocturne:errorDoubt": doubt} if doubt else {}), **beside.attributes}
+        header = {
+            **file.header(),
+            **({"nocturne:errorWarning": error_warning} if error_warning else {}),
+            **beside.attributes,
+        }
     header.pop("channels", None)
     # A sensor may have responses with such names: they go first.
     with OpenEXR.File(header, {**beside.channels, **before}) as file:

@@ -85,7 +85,7 @@ function whatComes(last: Sample | undefined, point: ConvergencePoint | undefined
   if (aim.relativeError > 0) goals.push((last.error / aim.relativeError) ** 2);
   const factor = Math.min(furthestAhead, ...goals);
   if (factor <= 1.02) return [];
-  const spread = uncertainty(point.effective_sample_size_of_pixels);
+  const spread = uncertainty(point.effective_pixels);
   return Array.from({ length: pointsAhead }, (_, step) => {
     const growth = factor ** ((step + 1) / pointsAhead);
     const error = last.error / Math.sqrt(growth);

@@ -15,15 +15,15 @@ export function notifyOfEnds(renders: Renders): void {
   renders.subscribe(() => {
     for (const render of renders.newestFirst()) {
       if (ended(states.get(render.id), render) && wanted()) tell(render, formatState(render.state), render.reason);
-      if (isNewMiss(missing, states.get(render.id), render) && wanted()) tell(render, "its error is out of reach", render.out_of_reach);
+      if (isNewMiss(missing, states.get(render.id), render) && wanted()) tell(render, "its error is out of reach", render.target_unreachable);
       states.set(render.id, render.state);
     }
   });
 }
 
 /** Whether it will miss its error, which was not told before: once for each render, and not of what was so when the page opened. */
-export function isNewMiss(told: Set<string>, before: RenderState | undefined, { id, out_of_reach }: Pick<Render, "id" | "out_of_reach">): boolean {
-  if (out_of_reach === "" || told.has(id)) return false;
+export function isNewMiss(told: Set<string>, before: RenderState | undefined, { id, target_unreachable }: Pick<Render, "id" | "target_unreachable">): boolean {
+  if (target_unreachable === "" || told.has(id)) return false;
   told.add(id);
   return before !== undefined;
 }

@@ -3,7 +3,7 @@ import { importScene } from "../service/client.ts";
 import type { ImportedScene, Problem } from "../service/types.ts";
 import { digest, type Scene, upload } from "./scene_files.ts";
 
-const ends = [".xml", ".pbrt", ".pbrt.gz", ".gltf", ".glb"];
+const ends = [".xml", ".pbrt", ".pbrt.gz", ".gltf", ".glb", ".rad"];
 
 export interface Imported extends Scene {
   film: { width: number; height: number };

@@ -32,7 +32,7 @@ export function convergenceSection(id: string): ConvergenceSection {
     chart.show({ x: curve.x, lines: linesOf(curve) }, abscissa);
     figure.dataset.points = `${curve.error.filter((error) => error !== null).length}`;
     setText(caption, captionText(points));
-    showDoubt(warning, render?.progress.doubt ?? "");
+    showDoubt(warning, render?.progress.error_warning ?? "");
   };
   const choice = abscissaChoice(abscissa, (chosen) => {
     abscissa = chosen;
@@ -72,14 +72,14 @@ export function convergenceSection(id: string): ConvergenceSection {
 }
 
 function pointOf(render: Render): ConvergencePoint {
-  const { mean_samples, relative_error, worst_share, effective_sample_size_of_pixels } = render.progress;
-  return { time_s: elapsedSeconds(render), samples: mean_samples, relative_error, worst_share, effective_sample_size_of_pixels };
+  const { mean_samples, relative_error, top_percent_share, effective_pixels } = render.progress;
+  return { time_s: elapsedSeconds(render), samples: mean_samples, relative_error, top_percent_share, effective_pixels };
 }
 
 function captionText(points: readonly ConvergencePoint[]): string {
   const last = points.at(-1);
   if (!last) return "No error estimate yet: it needs two samples in each pixel.";
-  const share = last.worst_share > 0 ? ` The worst 1 % of the pixels have ${(100 * last.worst_share).toFixed(0)} % of the variance.` : "";
+  const share = last.top_percent_share > 0 ? ` The worst 1 % of the pixels have ${(100 * last.top_percent_share).toFixed(0)} % of the variance.` : "";
   return `Relative error ${formatRelativeError(last.relative_error)} after ${formatDuration(last.time_s)}.${share} Dashed: 1/√N, the fall of independent samples.`;
 }
 

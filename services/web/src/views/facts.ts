@@ -23,12 +23,12 @@ const facts: Fact[] = [
   },
   {
     label: "Trust in it",
-    value: ({ progress }) => (progress.relative_error <= 0 ? "–" : progress.doubt || "yes, as far as one image can tell"),
+    value: ({ progress }) => (progress.relative_error <= 0 ? "–" : progress.error_warning || "yes, as far as one image can tell"),
   },
   { label: "Mean", value: meanText, meaning: "Of Y over all pixels, with its 95 % interval." },
   {
     label: "Nothing seen",
-    value: ({ progress, width, height }) => `${formatCount(progress.unseen_pixels)} of ${formatCount(width * height)} pixels`,
+    value: ({ progress, width, height }) => `${formatCount(progress.zero_pixels)} of ${formatCount(width * height)} pixels`,
     meaning: "Pixels in which no sample has found light. They are not known to be black: light may reach them in few samples.",
   },
   {

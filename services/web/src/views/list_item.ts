@@ -57,7 +57,7 @@ export function listItem(onSelect: () => void): ListItem {
     bar.show(render);
     setText(error, errorText(render));
     setText(finish, finishText(render));
-    finish.title = render.out_of_reach;
+    finish.title = render.target_unreachable;
     picture.show(render);
   };
   return { node, show, box };
@@ -69,14 +69,14 @@ function samplesShort(render: Render): string {
 
 function errorText({ progress, stop }: Render): string {
   const target = stop.relative_error > 0 ? ` → ${formatRelativeError(stop.relative_error)}` : "";
-  const doubt = progress.doubt ? " (not to be trusted)" : "";
-  return progress.relative_error > 0 ? `error ${formatRelativeError(progress.relative_error)}${doubt}${target}` : target;
+  const warning = progress.error_warning ? " (not to be trusted)" : "";
+  return progress.relative_error > 0 ? `error ${formatRelativeError(progress.relative_error)}${warning}${target}` : target;
 }
 
 function finishText(render: Render): string {
   if (hasEnded(render)) return render.started > 0 ? `took ${formatDuration(render.ended - render.started)}` : "";
   const end = render.progress.predicted_end;
-  const miss = render.out_of_reach ? ", error out of reach" : "";
+  const miss = render.target_unreachable ? ", error out of reach" : "";
   return end > 0 ? `${formatDuration(Math.max(0, end - serviceNow()))} left${miss}` : "";
 }
 

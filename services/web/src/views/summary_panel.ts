@@ -41,8 +41,8 @@ export function summaryPanel(id: string, renders: Renders): { heading: HTMLEleme
     badge.show(render.state);
     if (!waits) setText(reason, render.reason);
     reason.hidden = reason.textContent === "";
-    setText(miss, render.out_of_reach);
-    miss.hidden = render.out_of_reach === "";
+    setText(miss, render.target_unreachable);
+    miss.hidden = render.target_unreachable === "";
     warnings.replaceChildren(...render.warnings.map(({ sentence }) => element("li", {}, sentence)));
     warnings.hidden = render.warnings.length === 0;
     setText(way, render.way === "" ? "" : `Traced by ${render.way}.`);

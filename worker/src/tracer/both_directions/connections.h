@@ -16,7 +16,7 @@ void connect_to_camera(Batch& batch, const Group<N>& group, const Vertex<N>& ver
                             !near_camera(batch, group, vertex);
   const PathEnds ends{.diffuse_like_at_camera = diffuse_like,
                       .specular_like_at_luminaire = group.ends.specular_like_at_luminaire};
-  if (brought_by(ends) != Transport::kForward) return;
+  if (owner_of(ends) != Transport::kForward) return;
   PhotonSequence sequence = group.sequence.branch(1);
   const Uniform4 u = sequence.next();
   const auto connection =
@@ -44,7 +44,7 @@ void arrive_towards_camera(Batch& batch, CameraRay<N>& to_camera, std::optional<
     if (flight.enter(group.inside)) flight.pass(group, end);
   }
   if (!group.inside.empty()) {
-    absorb(batch, group, hit ? way_to(group, *hit) : to_camera.left + group.skipped);
+    absorb(batch, group, hit ? way_to(group, *hit) : to_camera.left + group.ray_offset);
   }
   if (!hit) {
     to_camera.state = State::kThere;
@@ -88,7 +88,7 @@ void follow_to_camera(Batch& batch) {
   }
   for (const auto& [group, connection, left, state] : batch.camera_rays) {
     if (state == State::kThere) {
-      batch.estimator.reaches(batch.sample_of(group), group, connection);
+      batch.estimator.on_camera_connection(batch.sample_of(group), group, connection);
     }
   }
   batch.camera_rays.clear();

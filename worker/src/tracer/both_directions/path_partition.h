@@ -37,7 +37,7 @@ struct PathEnds {
 };
 
 /// The partition: which photons bring a path with these ends.
-constexpr Transport brought_by(PathEnds ends) {
+constexpr Transport owner_of(PathEnds ends) {
   return ends.diffuse_like_at_camera && ends.specular_like_at_luminaire ? Transport::kForward
                                                                         : Transport::kAdjoint;
 }

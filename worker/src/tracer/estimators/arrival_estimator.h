@@ -15,13 +15,15 @@ class ArrivalEstimator : public CameraEstimator<N> {
   ArrivalEstimator(const Scene& scene, Film film)
       : CameraEstimator<N>(scene, film), scene_(scene) {}
 
-  void arrives(const BatchSample<N>&, const Group<N>& group, const Hit& hit) {
+  void on_surface(const BatchSample<N>&, const Group<N>& group, const Hit& hit) {
     const SurfaceMaterial& material = scene_.materials[hit.surface];
     if (material.may_pass) return;
     if (scene_.specular_like[kernel_at(scene_, hit, group.ray.direction)]) return;
     keep(group, hit);
   }
-  void glows(const BatchSample<N>&, const Group<N>& group, const Hit& hit) { keep(group, hit); }
+  void on_medium_emission(const BatchSample<N>&, const Group<N>& group, const Hit& hit) {
+    keep(group, hit);
+  }
 
   /// On surfaces that are like diffuse ones, and in media.
   const std::vector<LearnedLight::Arrival>& arrivals() const { return arrivals_; }

@@ -19,16 +19,16 @@ class CameraEstimator {
                                           float v) const {
     return scene_.sensor.connect(film_, place, u, v, sample.time);
   }
-  void reaches(const BatchSample<N>& sample, const Group<N>& group,
-               const CameraConnection& connection) {
+  void on_camera_connection(const BatchSample<N>& sample, const Group<N>& group,
+                            const CameraConnection& connection) {
     splats_.push_back({group.sample, connection.pixel,
                        connection.weight * (sample.flux * group.weight), meets_direct_light(group),
                        sample.light_group});
   }
 
-  void flies(const BatchSample<N>&, const Group<N>&, const Hit*) {}
-  void arrives(const BatchSample<N>&, const Group<N>&, const Hit&) {}
-  void glows(const BatchSample<N>&, const Group<N>&, const Hit&) {}
+  void on_ray(const BatchSample<N>&, const Group<N>&, const Hit*) {}
+  void on_surface(const BatchSample<N>&, const Group<N>&, const Hit&) {}
+  void on_medium_emission(const BatchSample<N>&, const Group<N>&, const Hit&) {}
 
   std::vector<Splat<N>>& splats() { return splats_; }
 

@@ -20,7 +20,7 @@ class LeavingEstimator : public SensorEstimator<N> {
         centre_(scene.sensor.place()),
         radius_(scene.sensor.hollow()) {}
 
-  void flies(const BatchSample<N>& sample, const Group<N>& group, const Hit* hit) {
+  void on_ray(const BatchSample<N>& sample, const Group<N>& group, const Hit* hit) {
     if (hit != nullptr) return;
     const auto place = on_sphere(Double3(group.ray.origin), Double3(group.ray.direction));
     if (!place) return;

@@ -61,8 +61,8 @@ class RadianceEstimator {
   }
 
   /// Its place in the environment where that was looked up.
-  void flies(const BatchSample<N>& sample, const Group<N>& group, const Hit* hit,
-             const LightDirections::SkyPlace& place) {
+  void on_ray(const BatchSample<N>& sample, const Group<N>& group, const Hit* hit,
+              const LightSampler::SkyTexel& place) {
     if (nearly()) return nearly_meets(sample, group);
     if (hit != nullptr || !scene_.has_distant_light()) return;
     if (sightings_ != nullptr) keep_sighting(sample, group);
@@ -74,7 +74,7 @@ class RadianceEstimator {
               each_group, place);
   }
 
-  void arrives(const BatchSample<N>& sample, const Group<N>& group, const Hit& hit) {
+  void on_surface(const BatchSample<N>& sample, const Group<N>& group, const Hit& hit) {
     const SurfaceMaterial& material = scene_.materials[hit.surface];
     const std::uint32_t luminaire = material.luminaire;
     if (luminaire == SurfaceMaterial::kNone) {
@@ -92,7 +92,7 @@ class RadianceEstimator {
   }
 
   /// No photon towards lights could have counted it.
-  void glows(const BatchSample<N>& sample, const Group<N>& group, const Hit& hit) {
+  void on_medium_emission(const BatchSample<N>& sample, const Group<N>& group, const Hit& hit) {
     if (scene_.options.least_radiance > 0.0f) return;
     const Spectral<N> found =
         group.weight * scene_.medium(hit.surface).source(hit.position, sample.wavelengths);
@@ -105,7 +105,7 @@ class RadianceEstimator {
     if (tells_parts_ && direct) add_to(direct_[tally], found);
   }
 
-  /// What of it is of a light group; only where these are told apart.
+  /// The part of a light group; only where these are kept separate.
   void add_of_group(std::uint32_t tally, std::uint32_t light_group, const Spectral<N>& found) {
     add_to(of_group(tally, light_group), found);
   }
@@ -123,7 +123,7 @@ class RadianceEstimator {
   /// What a photon finds of light that it meets, with the MIS weight of the technique that met it.
   /// Empty where it does not count.
   std::optional<Spectral<N>> found_of(const Group<N>& group, const Spectral<N>& light,
-                                      const LightDirections::SkyPlace& place) const {
+                                      const LightSampler::SkyTexel& place) const {
     if (!counts_for(group)) return std::nullopt;
     if (largest(light) < scene_.options.least_radiance) return std::nullopt;
     Spectral<N> found = group.weight * light;
@@ -132,7 +132,7 @@ class RadianceEstimator {
     const bool as_sent = place && group.mis.direction == group.ray.direction;
     const float towards =
         scene_.lights.pdf(group.mis.context, {group.mis.direction, group.mis.drawn_pdf},
-                          as_sent ? place : LightDirections::SkyPlace{});
+                          as_sent ? place : LightSampler::SkyTexel{});
     const bool by_kernel = group.mis.technique == MisTechnique::kKernel;
     // Drawn at a rim and rounded off it. The photon from the kernel has the whole weight there.
     if (!by_kernel && !(towards > 0.0f)) return std::nullopt;
@@ -144,7 +144,7 @@ class RadianceEstimator {
 
   using Tally = std::array<double, N>;
   using Gathered = TracingOptions::Gathered;
-  // The light group of what was given none.
+  // The light group of lights without a name.
   static constexpr std::uint32_t kUngrouped = 0;
 
   static void add_to(Tally& sum, const Spectral<N>& found) {
@@ -161,7 +161,7 @@ class RadianceEstimator {
 
   // Whether light that a group meets is an adjoint photon's, and is of the kind asked for.
   bool counts_for(const Group<N>& group) const {
-    if (both() && brought_by(group.ends) != Transport::kAdjoint) return false;
+    if (both() && owner_of(group.ends) != Transport::kAdjoint) return false;
     if (scene_.options.gathered == Gathered::kWithAll) return true;
     return group.ends.specular_like_at_luminaire && is_turned(group);
   }
@@ -196,7 +196,7 @@ class RadianceEstimator {
   bool brought_from_luminaire(const Group<N>& group, Vec3 place) const {
     if (!both() || !group.ends.diffuse_like_at_camera) return false;
     const bool near = near_luminaire(scene_, group, place);
-    return brought_by(at_luminaire(group.ends, group.depth - group.passes, near)) ==
+    return owner_of(at_luminaire(group.ends, group.depth - group.passes, near)) ==
            Transport::kForward;
   }
 
@@ -210,7 +210,7 @@ class RadianceEstimator {
   // `each_group(f)`: f(light group, its light).
   template <class EachGroup>
   void add_light(const Group<N>& group, const Spectral<N>& light, const EachGroup& each_group,
-                 const LightDirections::SkyPlace& place = {}) {
+                 const LightSampler::SkyTexel& place = {}) {
     const auto counted = found_of(group, light, place);
     if (!counted) return;
     const Spectral<N>& found = *counted;

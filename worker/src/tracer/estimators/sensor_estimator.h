@@ -17,7 +17,7 @@ class SensorEstimator {
 
   SensorEstimator(const Scene& scene, Film film) : scene_(scene), film_(film) {}
 
-  void flies(const BatchSample<N>& sample, const Group<N>& group, const Hit* hit) {
+  void on_ray(const BatchSample<N>& sample, const Group<N>& group, const Hit* hit) {
     const Sensor& sensor = scene_.sensor;
     const float distance = hit != nullptr ? hit->distance : std::numeric_limits<float>::infinity();
     if (sensor.splats_segments()) {
@@ -28,8 +28,8 @@ class SensorEstimator {
       put(sample, group, sensor.splat_escape(film_, group.ray.direction, sample.time));
     }
   }
-  void arrives(const BatchSample<N>&, const Group<N>&, const Hit&) {}
-  void glows(const BatchSample<N>&, const Group<N>&, const Hit&) {}
+  void on_surface(const BatchSample<N>&, const Group<N>&, const Hit&) {}
+  void on_medium_emission(const BatchSample<N>&, const Group<N>&, const Hit&) {}
 
   std::vector<Splat<N>>& splats() { return splats_; }
 

@@ -33,8 +33,8 @@ class SkyEstimator : public RadianceEstimator<N> {
   SkyEstimator(const Scene& scene, bool suns)
       : RadianceEstimator<N>(scene), scene_(scene), suns_(suns) {}
 
-  void flies(const BatchSample<N>& sample, const Group<N>& group, const Hit* hit,
-             const LightDirections::SkyPlace& place) {
+  void on_ray(const BatchSample<N>& sample, const Group<N>& group, const Hit* hit,
+              const LightSampler::SkyTexel& place) {
     if (hit != nullptr) return;
     if (suns_) {
       if (is_straight(group)) {
@@ -46,8 +46,8 @@ class SkyEstimator : public RadianceEstimator<N> {
         group, scene_.distant_radiance(group.ray.direction, sample.wavelengths), place);
     if (found) met_.push_back({group.tally, group.ray.direction, is_straight(group), *found});
   }
-  void arrives(const BatchSample<N>&, const Group<N>&, const Hit&) {}
-  void glows(const BatchSample<N>&, const Group<N>&, const Hit&) {}
+  void on_surface(const BatchSample<N>&, const Group<N>&, const Hit&) {}
+  void on_medium_emission(const BatchSample<N>&, const Group<N>&, const Hit&) {}
 
   /// Of a batch, as they were met.
   std::vector<Met>& met() { return met_; }

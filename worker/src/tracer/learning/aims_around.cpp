@@ -10,7 +10,7 @@
 namespace nocturne {
 namespace {
 
-/// Above 16 elements a direction's density takes a walk through a tree (luminaire_directions.h).
+/// Above 16 elements a direction's density takes a walk through a tree (area_light_sampler.h).
 constexpr std::size_t kMaxAims = 16;
 /// Places that make a ball; fewer are left to photons that are not aimed.
 constexpr std::size_t kEnough = 16;

@@ -11,7 +11,7 @@ namespace nocturne {
 namespace {
 
 /// Part of the photons towards lights that no surface stops, from which on the sky is open: knowing
-/// what is visible could bring a factor of two at most. In the living room of bench/real it is
+/// the visible part could bring a factor of two at most. In the living room of bench/real it is
 /// 0.04.
 constexpr double kOpen = 0.3;
 
@@ -20,12 +20,12 @@ constexpr double kOpen = 0.3;
 LearnedSky learn_visible_sky(Scene& scene, Film film, double samples, unsigned threads) {
   if (!scene.lights.environment()) return {};
   const TracingOptions before = scene.options;
-  const bool occlusion = scene.occlusion_decides;
+  const bool occlusion = scene.shadow_rays_suffice;
   scene.options.direction = Direction::kAdjoint;
   scene.options.sharing = 1;
   scene.options.seed = ~before.seed;
   // Photons that fly towards lights tell what they meet.
-  scene.occlusion_decides = false;
+  scene.shadow_rays_suffice = false;
   const double of_line = static_cast<double>(film.width);
   const auto count = static_cast<std::uint32_t>(
       std::clamp(samples / of_line, 1.0, static_cast<double>(film.height)));
@@ -37,7 +37,7 @@ LearnedSky learn_visible_sky(Scene& scene, Film film, double samples, unsigned t
     trace_tile(scene, film, {0, y, film.width, 1, 0, each}, kBatchGroups, {}, &lines[i]);
   });
   scene.options = before;
-  scene.occlusion_decides = occlusion;
+  scene.shadow_rays_suffice = occlusion;
   LearnedSky found;
   std::vector<VisibleSky::Sighting> all;
   double free = 0.0, stopped = 0.0;

@@ -40,9 +40,9 @@ std::optional<LearnedAt> learned_at(const Scene& scene, Film film, std::uint32_t
       return found;
     }
     const bool bounds_body =
-        scene.materials[vertex->hit.surface].medium_interface != SurfaceMaterial::kNone;
+        scene.materials[vertex->hit.surface].interior != SurfaceMaterial::kNone;
     if (*wi != -vertex->wo || bounds_body) ++passed;
-    line.go_on(*wi);
+    line.continue_along(*wi);
   }
   return std::nullopt;
 }

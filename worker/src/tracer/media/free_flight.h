@@ -48,7 +48,7 @@ class FreeFlight {
   /// The nearest collision before `end`, as the hit of a surface, and its weight for each photon.
   std::optional<Hit> collide(Group<N>& group, float nearest) const {
     const Ray ray = from_surface(group);
-    const float end = nearest + group.skipped;
+    const float end = nearest + group.ray_offset;
     const Uniform4 u = group.sequence.next();
     const std::size_t lead = draw_lead(group, u[1]);
     Way way{end, kNone, 1.0f};
@@ -73,7 +73,7 @@ class FreeFlight {
   bool thin(const Group<N>& group, float nearest) {
     if (collides_in_vain_) return false;
     const Ray ray = from_surface(group);
-    const float end = nearest + group.skipped;
+    const float end = nearest + group.ray_offset;
     depth_ = 0.0f;
     for (std::size_t i = 0; i < present_.size(); ++i)
       depth_ += depths_[i] = majorant_depth(i, ray, end);
@@ -95,7 +95,7 @@ class FreeFlight {
   /// the same for all photons; none where it is not worth the while. Several are spread evenly.
   std::optional<Hit> force(Group<N>& group, float nearest, OneOf which = {}) const {
     const Ray ray = from_surface(group);
-    const float end = nearest + group.skipped;
+    const float end = nearest + group.ray_offset;
     Uniform4 u = group.sequence.next();
     const auto count = static_cast<float>(which.count);
     u[0] = (static_cast<float>(which.index) + u[0]) / count;
@@ -118,13 +118,13 @@ class FreeFlight {
   /// (ratio tracking; Novak, Selle and Jarosz, "Residual ratio tracking for estimating attenuation
   /// in participating media", SIGGRAPH Asia 2014). The group may end.
   void pass(Group<N>& group, float nearest) const {
-    transmit(group, from_surface(group), group.sequence.next(), nearest + group.skipped);
+    transmit(group, from_surface(group), group.sequence.next(), nearest + group.ray_offset);
   }
 
  private:
   // Media begin at the surface, not where the ray does.
   static Ray from_surface(const Group<N>& group) {
-    return {group.ray.origin - group.skipped * group.ray.direction, group.ray.direction};
+    return {group.ray.origin - group.ray_offset * group.ray.direction, group.ray.direction};
   }
 
   void transmit(Group<N>& group, const Ray& ray, const Uniform4& u, float end) const {
@@ -186,7 +186,7 @@ class FreeFlight {
     constant_ = 0.0f;
     constant_null_ = 0.0f;
     collides_in_vain_ = false;
-    inside.for_each_present(scene_.medium_interfaces, [&](const MediumInterface& body) {
+    inside.for_each_present(scene_.interiors, [&](const Interior& body) {
       for (const std::uint32_t medium : body.media) add(medium);
     });
   }
@@ -194,7 +194,7 @@ class FreeFlight {
   // Not so near to the surface that the next ray might start behind it.
   Hit hit_at(const Group<N>& group, std::size_t medium, float from_surface) const {
     const Ray& ray = group.ray;
-    const float distance = std::max(0.0f, from_surface - group.skipped);
+    const float distance = std::max(0.0f, from_surface - group.ray_offset);
     return {.position = ray.origin + distance * ray.direction,
             .normal = -ray.direction,
             .surface = scene_.surface_of(present_[medium].index),

@@ -63,8 +63,8 @@ std::vector<double> means_of_method(const PilotMethod& method, const ImagesOfKin
 }
 
 /// Y around each pixel, of all methods, weighted by how certain their means are.
-std::vector<double> shown_by(const std::vector<MethodFigures>& methods,
-                             const ImagesOfKind& images) {
+std::vector<double> reference_light(const std::vector<MethodFigures>& methods,
+                                    const ImagesOfKind& images) {
   double least = std::numeric_limits<double>::infinity();
   for (const MethodFigures& each : methods) {
     if (each.comparable() && each.mean.error > 0.0) least = std::min(least, each.mean.error);
@@ -176,7 +176,7 @@ std::vector<MethodFigures> figures_of_methods(const std::vector<PilotMethod>& me
     }
   }
   if (std::ranges::none_of(found, &MethodFigures::comparable)) return found;
-  const std::vector<double> shown = shown_by(found, images);
+  const std::vector<double> shown = reference_light(found, images);
   for (MethodFigures& each : found) {
     const auto figures = [&](const PhotonKind& kind) {
       return figures_of(kind, images(kind), shown, cost_of_ray(kind));

@@ -1,16 +1,12 @@
 // Which of a pilot's methods has the least error for the same cost, and which miss light.
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <vector>
 
 #include "tracer/pilot/pilot_figures.h"
 
 namespace nocturne {
-
-/// Images of photons of one kind, all of the same squares of a film.
-using ImagesOfKind = std::function<const PilotImages&(const PhotonKind&)>;
 
 /// What a method did.
 struct MethodFigures {

@@ -26,7 +26,7 @@ struct PilotRequest {
   /// Parts: where in the image the chosen method may miss light.
   bool parts = false;
   /// Groups of photons that something was learned from before, a part of what the pilot may take.
-  double lessons = 0.0;
+  double training_samples = 0.0;
   unsigned threads;
 };
 

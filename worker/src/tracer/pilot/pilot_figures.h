@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -18,6 +19,9 @@ struct PilotImages {
   /// Of each image, square by square.
   std::vector<std::vector<TileSums>> images;
 };
+
+/// Images of photons of one kind, all of the same squares of a film.
+using ImagesOfKind = std::function<const PilotImages&(const PhotonKind&)>;
 
 /// Of pixels in groups, such that neighbours are in different ones.
 using GroupErrors = std::array<double, 16>;

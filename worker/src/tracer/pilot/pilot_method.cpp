@@ -22,7 +22,11 @@ std::vector<PhotonKind> kinds_from_luminaires(const OpenChoices& open,
 
 }  // namespace
 
-std::vector<PilotMethod> methods_of(const OpenChoices& open, const TracingOptions& given) {
+std::vector<PilotMethod> methods_of(const OpenChoices& open, TracingOptions given,
+                                    bool has_mirrors) {
+  if (open.direction && given.direction != Direction::kForward && !has_mirrors) {
+    given.direction = Direction::kAdjoint;
+  }
   std::vector<PilotMethod> methods;
   if (!open.direction && given.direction == Direction::kForward) {
     return {{std::nullopt, kinds_from_luminaires(open, given).front()}};

@@ -43,8 +43,9 @@ struct OpenChoices {
 };
 
 /// All methods between which `open` leaves the choice, the plainest first. `given`: as the scene
-/// was loaded.
-std::vector<PilotMethod> methods_of(const OpenChoices& open, const TracingOptions& given);
+/// was loaded. Without mirrors and glass photons from the sensor alone are compared.
+std::vector<PilotMethod> methods_of(const OpenChoices& open, TracingOptions given,
+                                    bool has_mirrors);
 
 /// Each once.
 std::vector<PhotonKind> kinds_of(const std::vector<PilotMethod>& methods);

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "math/functions.h"
+#include "tracer/pilot/compare_methods.h"
 
 namespace nocturne {
 namespace {
@@ -28,38 +30,16 @@ bool is_certain(const RareLight& light) {
   return forward.mean > 0.0 && forward.mean >= (is_unseen(adjoint) ? kSeen : kSure) * forward.error;
 }
 
-}  // namespace
-
-bool must_be_brought(const RareLight& light, double mean) {
-  const auto& [forward, adjoint] = light;
-  // Light that photons from a luminaire found is there, however few they were.
-  if (is_unseen(adjoint)) return forward.mean > kCounts * mean;
-  const double more = forward.mean - adjoint.mean;
-  const bool differ = more > kRareMissed * math::hypot(forward.error, adjoint.error);
-  const bool less_certain = adjoint.error > kMuchLessCertain * forward.error;
-  return (differ && more > kCounts * mean) ||
-         (is_certain(light) && less_certain && forward.mean > kCounts * mean);
-}
-
-double may_be_missing(const RareLight& light, double mean) {
-  const auto& [forward, adjoint] = light;
-  const double more = forward.mean - adjoint.mean;
-  const bool differ = more > kStandardErrors * math::hypot(forward.error, adjoint.error);
-  if (!(mean > 0.0 && forward.mean > 0.0) || (is_certain(light) && !differ)) return 0.0;
-  return std::max(0.0, more + kStandardErrors * forward.error) / mean;
-}
-
+/// How much more light photons from luminaires may bring than those from the sensor met of the same
+/// kind, in parts of the mean; 0 where their mean is certain enough to be compared, or they found
+/// nothing.
 double may_be_unmet(const MeanLight& by_luminaires, const MeanLight& met, double mean) {
   const auto [found, error] = by_luminaires;
   if (found >= kSure * error || !(found > 0.0 && mean > 0.0)) return 0.0;
   return std::max(0.0, found + kStandardErrors * error - met.mean) / mean;
 }
 
-float rare_radiance(double mean, double samples) {
-  return static_cast<float>(std::min(kOneFind * mean * samples / kLuminanceOfOne,
-                                     static_cast<double>(std::numeric_limits<float>::max())));
-}
-
+/// Empty where nothing shines so brightly.
 std::optional<RareLight> find_rare_light(Scene& scene, Trials& trials, const PhotonKind& luminaires,
                                          const PhotonKind& sensor, Film film, std::uint32_t samples,
                                          float radiance) {
@@ -83,6 +63,52 @@ std::optional<RareLight> find_rare_light(Scene& scene, Trials& trials, const Pho
   }
   scene.options.least_radiance = before;
   return light;
+}
+
+}  // namespace
+
+bool must_be_brought(const RareLight& light, double mean) {
+  const auto& [forward, adjoint] = light;
+  // Light that photons from a luminaire found is there, however few they were.
+  if (is_unseen(adjoint)) return forward.mean > kCounts * mean;
+  const double more = forward.mean - adjoint.mean;
+  const bool differ = more > kRareMissed * math::hypot(forward.error, adjoint.error);
+  const bool less_certain = adjoint.error > kMuchLessCertain * forward.error;
+  return (differ && more > kCounts * mean) ||
+         (is_certain(light) && less_certain && forward.mean > kCounts * mean);
+}
+
+double may_be_missing(const RareLight& light, double mean) {
+  const auto& [forward, adjoint] = light;
+  const double more = forward.mean - adjoint.mean;
+  const bool differ = more > kStandardErrors * math::hypot(forward.error, adjoint.error);
+  if (!(mean > 0.0 && forward.mean > 0.0) || (is_certain(light) && !differ)) return 0.0;
+  return std::max(0.0, more + kStandardErrors * forward.error) / mean;
+}
+
+float rare_radiance(double mean, double samples) {
+  return static_cast<float>(std::min(kOneFind * mean * samples / kLuminanceOfOne,
+                                     static_cast<double>(std::numeric_limits<float>::max())));
+}
+
+RareLightTrial try_rare_light(Scene& scene, Trials& trials, const std::vector<PilotMethod>& methods,
+                              const PhotonKind& sensor, const ImagesOfKind& images, Film film,
+                              std::uint32_t samples, float rare, double mean) {
+  const PilotMethod method = surest_from_luminaires(methods, sensor, images);
+  const PilotImages& brought = images(*method.luminaires);
+  PilotImages left = images(sensor);
+  if (method.sensor) subtract(left, images(*method.sensor));
+  const double unmet = may_be_unmet(mean_and_error(brought), mean_and_error(left), mean);
+  const auto light =
+      find_rare_light(scene, trials, *method.luminaires, sensor, film, samples, rare);
+  if (!light) return {.unmet = unmet, .bring_it = {}};
+  if (!must_be_brought(*light, mean)) {
+    return {.unmet = std::max(unmet, may_be_missing(*light, mean)), .bring_it = {}};
+  }
+  RareLightTrial trial{.unmet = 0.0, .bring_it = methods};
+  std::erase_if(trial.bring_it,
+                [&](const PilotMethod& each) { return each.luminaires != method.luminaires; });
+  return trial;
 }
 
 }  // namespace nocturne

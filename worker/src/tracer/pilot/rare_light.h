@@ -2,7 +2,7 @@
 // by finds so rare that an image which misses it looks certain.
 #pragma once
 
-#include <optional>
+#include <vector>
 
 #include "tracer/pilot/trials.h"
 
@@ -41,15 +41,20 @@ constexpr double kLuminanceOfOne = 683.0 * 106.857;
 /// rests on a hundred finds.
 float rare_radiance(double mean, double samples);
 
-/// `luminaires`: photons that would bring it; `sensor`: those that meet it otherwise. Empty where
-/// nothing shines so brightly.
-std::optional<RareLight> find_rare_light(Scene& scene, Trials& trials, const PhotonKind& luminaires,
-                                         const PhotonKind& sensor, Film film, std::uint32_t samples,
-                                         float radiance);
+struct RareLightTrial {
+  /// How much more light photons from luminaires may bring than those from the sensor met, at most
+  /// (two standard errors), in parts of the image's mean. Zero where it must be brought.
+  double unmet = 0.0;
+  /// The methods that bring it, if it must be brought.
+  std::vector<PilotMethod> bring_it;
+};
 
-/// How much more light photons from luminaires may bring than those from the sensor met of the same
-/// kind, at most (two standard errors), in parts of the mean; 0 where their mean is certain enough
-/// to be compared, or they found nothing.
-double may_be_unmet(const MeanLight& by_luminaires, const MeanLight& met, double mean);
+/// Rare light hides in the noise of other light: it is looked for alone, by those photons from
+/// luminaires in `methods` that are most certain, and by `sensor`, which meet all light by
+/// themselves. `images`: of all light on `film`, so many samples of each pixel. `rare`: the
+/// radiance from which light is rare; `mean`: Y of the image, cd/m2.
+RareLightTrial try_rare_light(Scene& scene, Trials& trials, const std::vector<PilotMethod>& methods,
+                              const PhotonKind& sensor, const ImagesOfKind& images, Film film,
+                              std::uint32_t samples, float rare, double mean);
 
 }  // namespace nocturne

@@ -75,14 +75,14 @@ bool is_met(const MeanLight& met, const MeanLight& nearly) {
 
 }  // namespace
 
-std::vector<UnmetPart> find_unmet_parts(Scene& scene, Trials& trials, const PhotonKind& kind,
-                                        Film film, std::uint32_t samples, double budget,
-                                        double mean) {
+std::vector<UnmetPart> find_unmet_parts(Scene& scene, Trials& trials, PhotonKind kind, Film film,
+                                        std::uint32_t samples, double budget, double mean) {
   std::vector<UnmetPart> parts;
   const float radiance = rare_radiance(mean, kSquare * samples);
   scene.widened_lamps = WidenedLamps(scene.lights, scene.luminaires, radiance);
   if (scene.widened_lamps.empty()) return parts;
   const TracingOptions before = scene.options;
+  kind.sharing = 1;
   const Film small = trials.reduced(budget / (2 * Trials::kImages * kSamples));
   const auto light = [&](TracingOptions::Gathered gathered, std::uint32_t times = 1) {
     scene.options.gathered = gathered;

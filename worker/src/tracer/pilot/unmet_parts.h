@@ -17,11 +17,11 @@ struct UnmetPart {
   double part;
 };
 
-/// `kind`: photons from the sensor as they were chosen, so that forward ones bring their part.
+/// `kind`: photons from the sensor as they were chosen, so that forward ones bring their part; here
+/// they do not share.
 /// `film` and `samples`: of the render; `budget`: samples in all that may be taken; `mean`: Y of
 /// the image, cd/m2. Empty where no luminaire is so bright that finds are rare, or all is met.
-std::vector<UnmetPart> find_unmet_parts(Scene& scene, Trials& trials, const PhotonKind& kind,
-                                        Film film, std::uint32_t samples, double budget,
-                                        double mean);
+std::vector<UnmetPart> find_unmet_parts(Scene& scene, Trials& trials, PhotonKind kind, Film film,
+                                        std::uint32_t samples, double budget, double mean);
 
 }  // namespace nocturne

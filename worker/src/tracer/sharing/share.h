@@ -10,7 +10,7 @@
 #include <array>
 #include <span>
 
-#include "tracer/sharing/offer.h"
+#include "tracer/sharing/record_vertices.h"
 
 namespace nocturne {
 
@@ -49,15 +49,15 @@ Seen look(const FirstVertex<N>& first, const SecondLanes& lanes) {
 /// that it sees if nothing is between. False where it would never go there.
 template <int N, class Kernel>
 bool meet(const FirstVertex<N>& first, const Kernel& kernel, const Seen& seen, std::size_t i,
-          Meeting<N>& meeting) {
+          VertexConnection<N>& connection) {
   const float by_area = seen.by_area[i];
   const Vec3 wi{seen.x[i], seen.y[i], seen.z[i]};
   if (!(by_area > 0.0f) || !may_send(kernel, seen.cosine[i], wi)) return false;
   const Evaluation<N> there = evaluate<N>(kernel, first.wo, wi);
-  meeting.value = by_area * first.weight * there.value;
+  connection.value = by_area * first.weight * there.value;
   // A photon that would carry nothing there ends.
-  meeting.density = only((first.survival * by_area) * there.pdf, alive(meeting.value));
-  return largest(meeting.density) > 0.0f;
+  connection.density = only((first.survival * by_area) * there.pdf, alive(connection.value));
+  return largest(connection.density) > 0.0f;
 }
 
 template <int N>
@@ -79,19 +79,20 @@ void find_meetings_of(Batch<N, Estimator, Media>& batch, std::uint32_t sample, c
   for (std::uint32_t i = 0; i < std::min(SecondLanes::kCount, seconds.size() - begin); ++i) {
     const std::uint32_t from = seconds[begin + i].sample;
     if (batch.sharing.firsts[from]->diffuse_like != first.diffuse_like) continue;
-    Meeting<N> meeting{.sample = sample, .second = begin + i, .value = 0.0f, .density = 0.0f};
-    if (meet(first, kernel, seen, i, meeting) || from == sample) {
-      batch.sharing.block.add(meeting);
+    VertexConnection<N> connection{
+        .sample = sample, .second = begin + i, .value = 0.0f, .density = 0.0f};
+    if (meet(first, kernel, seen, i, connection) || from == sample) {
+      batch.sharing.block.add(connection);
     }
   }
 }
 
-/// All meetings of a block, those of each second vertex together: the rays to it are close to each
-/// other, and one packet follows them.
+/// All connections of a block, those of each second vertex together: the rays to it are close to
+/// each other, and one packet follows them.
 template <int N, class Estimator, bool Media>
 void find_meetings(Batch<N, Estimator, Media>& batch, std::uint32_t first_sample,
                    std::uint32_t end_sample, std::span<const SecondVertex<N>> seconds) {
-  BlockMeetings<N>& block = batch.sharing.block;
+  BlockConnections<N>& block = batch.sharing.block;
   block.clear(seconds.size());
   std::vector<SecondLanes>& lanes = batch.sharing.lanes;
   lanes.assign((seconds.size() + SecondLanes::kCount - 1) / SecondLanes::kCount, {});
@@ -111,43 +112,43 @@ void find_meetings(Batch<N, Estimator, Media>& batch, std::uint32_t first_sample
   block.sort();
 }
 
-/// Leaves out the meetings with something between.
+/// Leaves out the connections with something between.
 template <int N, class Estimator, bool Media>
 void keep_free(Batch<N, Estimator, Media>& batch, float time,
                std::span<const SecondVertex<N>> seconds) {
-  std::vector<Meeting<N>>& meetings = batch.sharing.block.sorted;
-  const auto own = [&](const Meeting<N>& meeting) {
-    return seconds[meeting.second].sample == meeting.sample;
+  std::vector<VertexConnection<N>>& connections = batch.sharing.block.sorted;
+  const auto own = [&](const VertexConnection<N>& connection) {
+    return seconds[connection.second].sample == connection.sample;
   };
   batch.timed_rays.clear();
-  for (const Meeting<N>& meeting : meetings) {
-    if (own(meeting)) continue;
-    const FirstVertex<N>& first = *batch.sharing.firsts[meeting.sample];
-    batch.timed_rays.push_back(way_between(first, seconds[meeting.second], time));
+  for (const VertexConnection<N>& connection : connections) {
+    if (own(connection)) continue;
+    const FirstVertex<N>& first = *batch.sharing.firsts[connection.sample];
+    batch.timed_rays.push_back(way_between(first, seconds[connection.second], time));
   }
   batch.rays += batch.timed_rays.size();
   batch.blocked.resize(batch.timed_rays.size());
-  batch.scene.geometry.occluded(batch.timed_rays, batch.blocked, Ways::kTogether);
+  batch.scene.geometry.occluded(batch.timed_rays, batch.blocked, RayCoherence::kCoherent);
   std::size_t ray = 0;
-  std::erase_if(meetings, [&](const Meeting<N>& meeting) {
-    return !own(meeting) && batch.blocked[ray++] != 0;
+  std::erase_if(connections, [&](const VertexConnection<N>& connection) {
+    return !own(connection) && batch.blocked[ray++] != 0;
   });
 }
 
-/// What a meeting's first vertex has of the light that its second one sends.
+/// What a connection's first vertex has of the light that its second one sends.
 template <int N>
-Spectral<N> factor_of(const Meeting<N>& meeting, const SecondVertex<N>& second,
+Spectral<N> factor_of(const VertexConnection<N>& connection, const SecondVertex<N>& second,
                       const Spectral<N>& all) {
   // For the photon's own vertex, its weight is value over density already; and if that is rounded
   // to nothing, then no other photon takes it.
-  const bool own = second.sample == meeting.sample;
+  const bool own = second.sample == connection.sample;
   return each(
       [own](float carried, float value, float mine, float sum) {
         if (!(carried > 0.0f)) return 0.0f;
         if (!(sum > 0.0f)) return own ? carried : 0.0f;
         return (own ? carried * mine : value) / sum;
       },
-      second.weight, meeting.value, meeting.density, all);
+      second.weight, connection.value, connection.density, all);
 }
 
 /// Of one block: its samples, and the second vertices of these that found something.
@@ -156,17 +157,17 @@ void share_block(Batch<N, Estimator, Media>& batch, std::uint32_t first_sample,
                  std::uint32_t end_sample, std::span<const SecondVertex<N>> seconds) {
   find_meetings(batch, first_sample, end_sample, seconds);
   keep_free(batch, batch.samples[first_sample].time, seconds);
-  std::span<const Meeting<N>> left = batch.sharing.block.sorted;
+  std::span<const VertexConnection<N>> left = batch.sharing.block.sorted;
   while (!left.empty()) {
     const std::uint32_t index = left.front().second;
     const SecondVertex<N>& second = seconds[index];
     Spectral<N> all = 0.0f;
     std::size_t count = 0;
     while (count < left.size() && left[count].second == index) all += left[count++].density;
-    const std::span<const Meeting<N>> meetings = left.first(count);
+    const std::span<const VertexConnection<N>> connections = left.first(count);
     left = left.subspan(count);
-    for (const Meeting<N>& meeting : meetings) {
-      batch.estimator.take(meeting.sample, second.tally, factor_of(meeting, second, all));
+    for (const VertexConnection<N>& connection : connections) {
+      batch.estimator.take(connection.sample, second.tally, factor_of(connection, second, all));
     }
   }
 }

@@ -64,7 +64,7 @@ struct SecondLanes {
 
 /// A first and a second vertex of a block.
 template <int N>
-struct Meeting {
+struct VertexConnection {
   std::uint32_t sample, second;
   /// What the kernel of the first sends to the second, and the density with which its photon meets
   /// it, both by area there, 1/m2.
@@ -73,8 +73,8 @@ struct Meeting {
 
 /// Those of one block.
 template <int N>
-struct BlockMeetings {
-  std::vector<Meeting<N>> found, sorted;
+struct BlockConnections {
+  std::vector<VertexConnection<N>> found, sorted;
   /// Of each second vertex: how many, and after `sort` where the next one's begin.
   std::vector<std::uint32_t> ends;
 
@@ -82,15 +82,16 @@ struct BlockMeetings {
     found.clear();
     ends.assign(seconds, 0);
   }
-  void add(const Meeting<N>& meeting) {
-    found.push_back(meeting);
-    ++ends[meeting.second];
+  void add(const VertexConnection<N>& connection) {
+    found.push_back(connection);
+    ++ends[connection.second];
   }
   /// By second vertex, otherwise in the order in which they were added.
   void sort() {
     std::exclusive_scan(ends.begin(), ends.end(), ends.begin(), 0u);
     sorted.resize(found.size());
-    for (const Meeting<N>& meeting : found) sorted[ends[meeting.second]++] = meeting;
+    for (const VertexConnection<N>& connection : found)
+      sorted[ends[connection.second]++] = connection;
   }
 };
 
@@ -108,7 +109,7 @@ struct Sharing {
   /// For sorting them: by sample, where its own end; and their indices in `seconds`.
   std::vector<std::uint32_t> ends, order;
   /// Of the block at hand.
-  BlockMeetings<N> block;
+  BlockConnections<N> block;
   std::vector<SecondLanes> lanes;
 
   bool on() const { return !blocks.empty(); }

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tracer/pilot/compare_methods.h"
-
 namespace nocturne {
 namespace {
 
@@ -62,6 +60,18 @@ SharingTrial try_sharing(Trials& trials, Film film, const PhotonKind& kind, doub
   SharingTrial found{figures[0].sensor, figures[1].sensor, means_differ(alone, shared)};
   found.shared.cost = found.alone.cost + kQueryCost * (found.shared.cost - found.alone.cost);
   return found;
+}
+
+MethodFigures with_sharing(const MethodFigures& method, const SharingTrial& trial,
+                           bool ratio_is_open) {
+  MethodFigures shared = method;
+  shared.method.sensor = trial.shared.kind;
+  shared.sensor.relative_mse *= trial.shared.relative_mse / trial.alone.relative_mse;
+  shared.sensor.cost *= trial.shared.cost / trial.alone.cost;
+  if (shared.method.luminaires && ratio_is_open) {
+    shared.ratio = best_forward_ratio(shared.sensor, shared.luminaires);
+  }
+  return shared;
 }
 
 }  // namespace nocturne

@@ -2,7 +2,7 @@
 // neighbours must be as near as they will be (docs/decisions/0062 and 0115).
 #pragma once
 
-#include "tracer/pilot/pilot_figures.h"
+#include "tracer/pilot/compare_methods.h"
 #include "tracer/pilot/trials.h"
 
 namespace nocturne {
@@ -16,5 +16,9 @@ struct SharingTrial {
 
 /// `kind`: photons from the sensor of pixels alone. `budget`: samples in all that may be taken.
 SharingTrial try_sharing(Trials& trials, Film film, const PhotonKind& kind, double budget);
+
+/// `method`, whose photons from the sensor were tried alone, with those that share.
+MethodFigures with_sharing(const MethodFigures& method, const SharingTrial& trial,
+                           bool ratio_is_open);
 
 }  // namespace nocturne

@@ -4,13 +4,13 @@
 
 #include <bit>
 
-#include "tracer/sharing/offer.h"
+#include "tracer/sharing/record_vertices.h"
 
 namespace nocturne {
 
 /// Whether light that mirrors and glass gather counts for an adjoint photon that leaves a vertex.
 template <class Batch, int N>
-bool brings_what_is_gathered(const Batch& batch, const Group<N>& group, const Vertex<N>& vertex) {
+bool owns_caustics(const Batch& batch, const Group<N>& group, const Vertex<N>& vertex) {
   if (!batch.both) return true;
   if (group.depth > 1) return !group.ends.diffuse_like_at_camera;
   return batch.scene.specular_like[vertex.kernel] || near_camera(batch, group, vertex);
@@ -20,7 +20,7 @@ template <class Batch, int N>
 std::uint32_t learned_at(const Batch& batch, const Group<N>& group, const Vertex<N>& vertex) {
   const LearnedLight& learned = batch.scene.lights.learned();
   const bool guides =
-      !learned.empty() && batch.options.guide && brings_what_is_gathered(batch, group, vertex);
+      !learned.empty() && batch.options.guide && owns_caustics(batch, group, vertex);
   return guides ? learned.find(vertex.hit.position) : LearnedLight::kNone;
 }
 
@@ -74,13 +74,13 @@ void for_each_draw(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const
   for (std::uint32_t left = all; left != 0;) {
     const auto lead = static_cast<std::size_t>(std::countr_zero(left));
     const auto draw = kernel.sample(vertex.wo, numbers, lead);
-    const std::uint32_t together = draw ? draw->together & left : 1u << lead;
+    const std::uint32_t together = draw ? draw->coherent & left : 1u << lead;
     left &= ~together;
     if (!draw) continue;
     if constexpr (N > 1 && requires { kernel.likelihood(vertex.wo, draw->wi); }) {
       group.path_pdf_ratio *= kernel.likelihood(vertex.wo, draw->wi);
     }
-    go_on(batch, group, vertex, draw->wi, draw->delta, [&](Group<N>& on) {
+    spawn_ray(batch, group, vertex, draw->wi, draw->delta, [&](Group<N>& on) {
       if (together != all) on.weight = only(group.weight, together);
       weigh(on, *draw);
       polarise(batch, on, vertex, kernel, *draw);
@@ -97,7 +97,7 @@ void draw_from_kernel(Batch& batch, Group<N>& group, const Vertex<N>& vertex, co
     if (draw.delta) {
       // Towards lights nothing was drawn from this part: an earlier MIS state goes on, unless
       // photons that were sent there end at mirrors.
-      if (batch.occlusion_decides) on.mis.technique = MisTechnique::kNone;
+      if (batch.shadow_rays_suffice) on.mis.technique = MisTechnique::kNone;
       on.shares = false;
       on.weight *= (1.0f / survival) * draw.factor;
       return;
@@ -116,8 +116,8 @@ void draw_from_kernel(Batch& batch, Group<N>& group, const Vertex<N>& vertex, co
 }
 
 template <class Batch, int N, class Kernel>
-void pass_on(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel,
-             const KernelNumbers& numbers, float survival) {
+void continue_through_specular(Batch& batch, Group<N>& group, const Vertex<N>& vertex,
+                               const Kernel& kernel, const KernelNumbers& numbers, float survival) {
   for_each_draw(batch, group, vertex, kernel, numbers, [&](Group<N>& on, const Draw<N>& draw) {
     on.weight = draw.delta ? (1.0f / survival) * on.weight * draw.factor : Spectral<N>(0.0f);
   });

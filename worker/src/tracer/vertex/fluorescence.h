@@ -23,7 +23,7 @@ float chance_of_emission(const Spectral<N>& reflected, const Spectral<N>& emitte
   return std::clamp(by_emission / all, kLeastTried, 1.0f - kLeastTried);
 }
 
-/// What is left to draw is a direction, which is the same for both: light is spread by the cosine.
+/// Then a direction is drawn, which is the same for both: light is spread by the cosine.
 template <class Batch, int N>
 BoundLambertian<N> reflect_or_emit(Batch& batch, Group<N>& group, Vertex<N>& vertex,
                                    const Fluorescent& kernel) {

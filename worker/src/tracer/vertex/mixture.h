@@ -66,7 +66,7 @@ void draw_from_mixture(Batch& batch, Group<N>& group, const Vertex<N>& vertex, c
   } else {
     draw.wi = uniform_sample(kernel, numbers.u, numbers.v);
   }
-  go_on(batch, group, vertex, draw.wi, false, [&](Group<N>& on) {
+  spawn_ray(batch, group, vertex, draw.wi, false, [&](Group<N>& on) {
     weigh(on, draw);
     polarise(batch, on, vertex, kernel, draw);
   });
@@ -110,7 +110,7 @@ void split(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const Kernel&
       draw.wi = uniform_sample(kernel, u[0], u[1]);
       drawn_pdf = 0.0f;
     }
-    go_on(batch, group, vertex, draw.wi, false, [&](Group<N>& on) {
+    spawn_ray(batch, group, vertex, draw.wi, false, [&](Group<N>& on) {
       on.sequence = sequence;
       weigh(on, draw, drawn_by);
       polarise(batch, on, vertex, kernel, draw);

@@ -17,7 +17,7 @@ namespace nocturne {
 template <class Batch, int N>
 bool may_see_lights(const Batch& batch, const Group<N>& group, const Vertex<N>& vertex) {
   return !batch.is_medium(vertex.hit) ||
-         group.inside.current(batch.scene.medium_interfaces) == InteriorList::kOutside ||
+         group.inside.current(batch.scene.interiors) == InteriorList::kOutside ||
          vertex.learned != LearnedLight::kNone;
 }
 
@@ -26,7 +26,7 @@ bool may_see_lights(const Batch& batch, const Group<N>& group, const Vertex<N>& 
 template <class Batch, int N>
 bool brings_light(const Batch& batch, const Group<N>& group, const Vertex<N>& vertex) {
   return !batch.both || !batch.scene.specular_like[vertex.kernel] ||
-         brings_what_is_gathered(batch, group, vertex);
+         owns_caustics(batch, group, vertex);
 }
 
 /// A photon towards lights, through whatever lets it pass.
@@ -40,7 +40,7 @@ void estimate_next_event(Batch& batch, const Group<N>& group, const Vertex<N>& v
   const DrawnDirection& drawn = light->drawn;
   const Vec3 wi = vertex.to_local(drawn.direction);
   if (wi.z <= 0.0f && !kernel.transmits()) return;
-  go_on(batch, group, vertex, wi, false, [&](Group<N>& photon) {
+  spawn_ray(batch, group, vertex, wi, false, [&](Group<N>& photon) {
     photon.sequence = sequence;
     photon.shares = false;
     const Evaluation<N> there = evaluate<N>(kernel, vertex.wo, wi);
@@ -53,9 +53,9 @@ void estimate_next_event(Batch& batch, const Group<N>& group, const Vertex<N>& v
 
 /// The light from the nearest luminaire if it is not occluded.
 template <class Batch, int N, class Kernel>
-void ask_for_light(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
-                   const Kernel& kernel, float survival,
-                   const LightDirections::LightSample& light) {
+void sample_direct_light(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
+                         const Kernel& kernel, float survival,
+                         const LightSampler::LightSample& light) {
   const Scene& scene = batch.scene;
   const BatchSample<N>& sample = batch.sample_of(group);
   if (batch.both) {
@@ -64,7 +64,7 @@ void ask_for_light(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
         group.ends, interaction_at(batch, group, vertex, false, false), group.depth == 1);
     const bool near = light.distance < scene.near_ends;
     const PathEnds ends = at_luminaire(after, group.depth - group.passes, near);
-    if (brought_by(ends) != Transport::kAdjoint) return;
+    if (owner_of(ends) != Transport::kAdjoint) return;
   }
   const Vec3 wi = vertex.to_local(light.direction);
   if (!may_send(kernel, dot(vertex.normal, light.direction), wi)) return;
@@ -103,13 +103,13 @@ void ask_for_light(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
 
 /// Where nothing between can let light through.
 template <class Batch, int N, class Bound>
-void ask_for_lights(Batch& batch, const Chunk<N, Bound>& chunk,
-                    std::span<const std::uint32_t> which) {
+void sample_direct_lights(Batch& batch, const Chunk<N, Bound>& chunk,
+                          std::span<const std::uint32_t> which) {
   std::array<std::optional<PhotonSequence>, kChunk> sequences;
   std::array<Uniform4, kChunk> numbers;
   std::array<LightSamplingContext, kChunk> contexts;
-  std::array<std::optional<Environment::Draft>, kChunk> begun;
-  std::array<LightDirections::LightSample, kChunk> lights;
+  std::array<std::optional<Environment::PartialSample>, kChunk> begun;
+  std::array<LightSampler::LightSample, kChunk> lights;
   std::array<bool, kChunk> drawn;
   for (std::size_t k = 0; k < which.size(); ++k) {
     sequences[k] = chunk.groups[which[k]]->sequence.branch(1);
@@ -117,7 +117,7 @@ void ask_for_lights(Batch& batch, const Chunk<N, Bound>& chunk,
   PhotonSequence::next_of_each(
       which.size(), [&](std::size_t k) -> PhotonSequence& { return *sequences[k]; },
       numbers.data());
-  const LightDirections& lights_of_scene = batch.scene.lights;
+  const LightSampler& lights_of_scene = batch.scene.lights;
   const auto context = [&](std::size_t k, Vec3 side) {
     const std::size_t i = which[k];
     return light_context(batch, *chunk.groups[i], *chunk.vertices[i], *chunk.kernels[i], side);
@@ -140,8 +140,8 @@ void ask_for_lights(Batch& batch, const Chunk<N, Bound>& chunk,
   for (std::size_t k = 0; k < which.size(); ++k) {
     const std::size_t i = which[k];
     if (!drawn[k]) continue;
-    ask_for_light(batch, *chunk.groups[i], *chunk.vertices[i], *chunk.kernels[i], chunk.survival[i],
-                  lights[k]);
+    sample_direct_light(batch, *chunk.groups[i], *chunk.vertices[i], *chunk.kernels[i],
+                        chunk.survival[i], lights[k]);
   }
 }
 
@@ -153,11 +153,12 @@ void estimate_next_events(Batch& batch, const Chunk<N, Bound>& chunk) {
     which[count] = i;
     const Group<N>& group = *chunk.groups[i];
     const bool too_deep =
-        batch.occlusion_decides && group.depth - group.passes > batch.options.max_depth;
+        batch.shadow_rays_suffice && group.depth - group.passes > batch.options.max_depth;
     count +=
         chunk.two_photons[i] && !too_deep && brings_light(batch, group, *chunk.vertices[i]) ? 1 : 0;
   }
-  if (batch.occlusion_decides) return ask_for_lights(batch, chunk, std::span(which).first(count));
+  if (batch.shadow_rays_suffice)
+    return sample_direct_lights(batch, chunk, std::span(which).first(count));
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t i = which[k];
     estimate_next_event(batch, *chunk.groups[i], *chunk.vertices[i], *chunk.kernels[i],
@@ -169,7 +170,7 @@ void estimate_next_events(Batch& batch, const Chunk<N, Bound>& chunk) {
 /// bring with another, which starts towards them.
 template <int N, class Estimator, bool Media>
 void start_towards_lights(Batch<N, Estimator, Media>& batch, Vec3 film_normal) {
-  const LightDirections& lights = batch.scene.lights;
+  const LightSampler& lights = batch.scene.lights;
   if (lights.empty()) return;
   Group<N>& by_cosine = batch.groups.back();
   const LightSamplingContext here{

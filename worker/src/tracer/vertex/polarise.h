@@ -21,7 +21,7 @@ PassedOn<N> pass_vertex(Batch& batch, const Group<N>& group, const Vertex<N>& ve
   if constexpr (requires { kernel.axis; }) {
     passed.beyond.turn_to(across_ray(kernel.axis, leaves), leaves);
   } else {
-    // What goes straight on was in a pane all the same.
+    // Light that goes straight on was in a pane all the same.
     const bool straight = along_each_other(comes, leaves);
     passed.beyond.turn_to(across_both(straight ? vertex.frame.normal : comes, leaves), leaves);
   }
@@ -37,7 +37,7 @@ requires(Batch::kPolarised) void polarise(Batch& batch, Group<N>& group, const V
   batch.change_polarisation(group, passed.beyond);
 }
 
-/// Of what comes straight from a light.
+/// Of light that comes straight from a luminaire.
 template <class Batch, int N, class Kernel>
 requires(Batch::kPolarised) PassedOn<N> polarise_light(Batch& batch, const Group<N>& group,
                                                        const Vertex<N>& vertex,
@@ -48,10 +48,14 @@ requires(Batch::kPolarised) PassedOn<N> polarise_light(Batch& batch, const Group
   return passed;
 }
 
-/// Part of the light of the latest shadow ray, whatever its group.
+/// Part of the light of the latest shadow ray. For Stokes vectors its light group does not matter.
 template <class Batch, int N>
-void add_shadow_light(Batch& batch, const PassedOn<N>& passed, std::uint32_t,
+void add_shadow_light(Batch& batch, const PassedOn<N>& passed, std::uint32_t light_group,
                       const Spectral<N>& part) {
+  if (!batch.scene.wavelengths.tells_stokes()) {
+    batch.shadow_lights.push_back({batch.shadow_rays.size() - 1, light_group, part});
+    return;
+  }
   for (std::uint32_t i = 0; i < 3; ++i) {
     batch.shadow_lights.push_back(
         {batch.shadow_rays.size() - 1, i, part * passed.beyond.to_sensor[i + 1][0]});

@@ -12,7 +12,7 @@ namespace nocturne {
 /// flight meets a ball of radius R with (R / r)^2, and a long walk with R / r. At the latter its
 /// expected length would still be infinite, as a walk to r takes r^2 flights.
 template <class Batch, int N>
-float chance_to_stay(const Batch& batch, const Group<N>& group, Vec3 position) {
+float distance_roulette(const Batch& batch, const Group<N>& group, Vec3 position) {
   const auto& [centre, radius] = *batch.scene.all_in_fog;
   const Vec3 away = position - centre;
   return std::min(1.0f, largest(group.weight) * radius * radius / dot(away, away));
@@ -22,7 +22,8 @@ float chance_to_stay(const Batch& batch, const Group<N>& group, Vec3 position) {
 template <int N, class Kernel>
 void count_caught(Group<N>& group, const Kernel& kernel, const Spectral<N>& albedo) {
   constexpr float kClear = 1.0f - 1e-6f;
-  group.caught = !kernel.smooth() && largest(albedo) >= kClear ? group.caught + 1 : 0;
+  group.consecutive_specular =
+      !kernel.smooth() && largest(albedo) >= kClear ? group.consecutive_specular + 1 : 0;
 }
 
 /// What ends photons that roulette by albedo would not, whatever their number of surfaces.
@@ -33,7 +34,7 @@ float survival_of_many(const Group<N>& group) {
     return count > least ? 1.0f - 2.0f / static_cast<float>(std::min(count, Options::kSteadyFrom))
                          : 1.0f;
   };
-  return std::min(after(Options::kCaughtAfter, group.caught),
+  return std::min(after(Options::kSpecularRouletteAfter, group.consecutive_specular),
                   after(Options::kManyBounces, group.depth - group.collisions));
 }
 
@@ -55,7 +56,7 @@ float survival_at(const Batch& batch, Group<N>& group, const Vertex<N>& vertex,
   }
   survival = std::min(survival, survival_of_many(group));
   if (batch.scene.all_in_fog) {
-    survival = std::min(survival, chance_to_stay(batch, group, vertex.hit.position));
+    survival = std::min(survival, distance_roulette(batch, group, vertex.hit.position));
   }
   return survival;
 }

@@ -17,7 +17,7 @@ float way_to(const Group<N>& group, const Hit& hit) {
   constexpr float kMinCosine = 1e-3f;
   const float cosine = dot(hit.normal, group.ray.direction);
   if (hit.clearance == 0.0f || group.departure.exact || std::fabs(cosine) < kMinCosine)
-    return hit.distance + group.skipped;
+    return hit.distance + group.ray_offset;
   return std::max(0.0f, hit.distance + dot(group.step, hit.normal) / cosine);
 }
 
@@ -25,10 +25,9 @@ float way_to(const Group<N>& group, const Hit& hit) {
 /// worth is that which it will have outside.
 template <class Batch, int N>
 Spectral<N> square_of_index(const Batch& batch, const Group<N>& group) {
-  const std::uint32_t body = group.inside.current(batch.scene.medium_interfaces);
+  const std::uint32_t body = group.inside.current(batch.scene.interiors);
   if (body == InteriorList::kOutside) return 1.0f;
-  const Spectral<N> n =
-      batch.scene.medium_interfaces[body].index(batch.sample_of(group).wavelengths);
+  const Spectral<N> n = batch.scene.interiors[body].index(batch.sample_of(group).wavelengths);
   return n * n;
 }
 
@@ -68,7 +67,7 @@ void start_off(const Scene& scene, Group<N>& group, const Hit& hit, Vec3 directi
                                         : scene.geometry.depart(hit, direction, time);
     group.ray = from.ray;
     group.departure = from.departure;
-    group.skipped = 0.0f;
+    group.ray_offset = 0.0f;
     group.step = {0.0f, 0.0f, 0.0f};
     return;
   }
@@ -77,7 +76,7 @@ void start_off(const Scene& scene, Group<N>& group, const Hit& hit, Vec3 directi
   group.departure.residual = {0.0f, 0.0f, 0.0f};
   group.departure.surface = Departure::kNothing;
   if (group.inside.empty()) return;
-  group.skipped = way_skipped(hit, direction);
+  group.ray_offset = ray_offset(hit, direction);
   group.step = group.ray.origin - hit.position;
 }
 
@@ -97,9 +96,9 @@ void arrive(Batch& batch, Group<N>& group, const Hit& hit) {
   if (!group.inside.empty()) absorb(batch, group, way_to(group, hit));
   group.width += sample.spread * hit.distance;
   if (batch.is_medium(hit)) {
-    batch.estimator.glows(sample, group, hit);
+    batch.estimator.on_medium_emission(sample, group, hit);
   } else {
-    batch.estimator.arrives(sample, group, hit);
+    batch.estimator.on_surface(sample, group, hit);
   }
 }
 
@@ -112,8 +111,9 @@ bool near_camera(const Batch& batch, const Group<N>& group, const Vertex<N>& ver
 /// which a thin lamp lies elsewhere than it does from the vertex.
 template <class Batch, int N>
 Vec3 leaves_from(const Batch& batch, const Vertex<N>& vertex, Vec3 direction) {
-  const bool exact = batch.is_medium(vertex.hit) ||
-                     (batch.scene.materials[vertex.hit.surface].close && !batch.occlusion_decides);
+  const bool exact =
+      batch.is_medium(vertex.hit) ||
+      (batch.scene.materials[vertex.hit.surface].close && !batch.shadow_rays_suffice);
   return exact ? vertex.hit.position : leave_surface(vertex.hit, direction);
 }
 
@@ -186,8 +186,8 @@ bool leave(const Batch& batch, Group<N>& group, const Vertex<N>& vertex, Vec3 wi
 
 /// Sends a copy on to the next wave, after `change` was made to it.
 template <class Batch, int N, class Change>
-void go_on(Batch& batch, const Group<N>& group, const Vertex<N>& vertex, Vec3 wi, bool delta,
-           const Change& change) {
+void spawn_ray(Batch& batch, const Group<N>& group, const Vertex<N>& vertex, Vec3 wi, bool delta,
+               const Change& change) {
   Group<N>& on = batch.next.emplace_back(group);
   change(on);
   if (!leave(batch, on, vertex, wi, delta)) batch.next.pop_back();

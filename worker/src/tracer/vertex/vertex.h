@@ -47,17 +47,17 @@ inline std::uint32_t kernel_at(const Scene& scene, const Hit& hit, Vec3 directio
 /// What a photon finds that goes through the surface of a hit and all that touches it.
 inline Boundary boundary_at(const Scene& scene, const Hit& hit, const Contacts& contacts,
                             const InteriorList& inside, bool front) {
-  const std::uint32_t body = scene.materials[hit.surface].medium_interface;
+  const std::uint32_t body = scene.materials[hit.surface].interior;
   std::optional<Crossing> own;
   if (body != SurfaceMaterial::kNone) own = {body, front};
-  return cross_boundary(inside, scene.medium_interfaces, own, contacts);
+  return cross_boundary(inside, scene.interiors, own, contacts);
 }
 
 /// The bodies present have this index of refraction.
 template <int N>
 Spectral<N> index_in(const Scene& scene, std::uint32_t body, const Spectral<N>& wavelengths) {
   if (body == InteriorList::kOutside) return 1.0f;
-  return scene.medium_interfaces[body].index(wavelengths);
+  return scene.interiors[body].index(wavelengths);
 }
 
 /// Indices of refraction before and behind a surface that bounds a body or touches one; false where
@@ -119,16 +119,15 @@ template <int N>
 bool complete(const Scene& scene, const Contacts& contacts, const Group<N>& group, float time,
               Vertex<N>& vertex) {
   const SurfaceMaterial& material = scene.materials[vertex.hit.surface];
-  const bool bounds_body = material.medium_interface != SurfaceMaterial::kNone;
+  const bool bounds_body = material.interior != SurfaceMaterial::kNone;
   if (bounds_body || !contacts.empty()) {
     if (!enter_boundary(scene, contacts, vertex.front, vertex) && bounds_body &&
-        (material.index_matched_only ||
-         !scene.medium_interfaces[material.medium_interface].index_matched)) {
+        (material.index_matched_only || !scene.interiors[material.interior].index_matched)) {
       return false;
     }
   } else if (!vertex.beyond.empty() && !scene.is_medium(vertex.hit.surface)) {
     // A pane, a mirror or paint under water.
-    const std::uint32_t around = vertex.beyond.current(scene.medium_interfaces);
+    const std::uint32_t around = vertex.beyond.current(scene.interiors);
     vertex.shading.index_from = index_in(scene, around, vertex.shading.wavelengths);
     vertex.shading.index_to = vertex.shading.index_from;
   }

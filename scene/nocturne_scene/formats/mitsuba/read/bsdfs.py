@@ -375,7 +375,7 @@ def _polarizer(context: Context, properties: Properties) -> Bsdf:
 
 
 def _ignore_rules_of_shading_normals(properties: Properties) -> None:
-    """Take what Mitsuba does besides tilting normals; docs/reference/compatibility.md has the numbers."""
+    """Take what Mitsuba does besides tilting normals; tests/mitsuba/README.md has the numbers."""
     properties.without_effect("no light is taken away for tilted normals", "use_shadowing_function")
     properties.without_effect(
         "from behind a shading normal the surface's own normal counts", "flip_invalid_normals"

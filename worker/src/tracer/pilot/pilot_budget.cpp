@@ -1,0 +1,29 @@
+#include "tracer/pilot/pilot_budget.h"
+
+#include <algorithm>
+
+namespace nocturne {
+namespace {
+
+/// Part of the render's rays that a pilot takes including those it learned from, and the most of
+/// them; and part of a small render's, between the least that is informative and a matter of a
+/// second.
+constexpr double kPart = 0.024, kMostRays = 12e6;
+constexpr double kPartOfSmall = 0.2, kLeastRays = 0.25e6, kEnoughRays = 2e6;
+/// Samples of each of so many pixels by which the rays of a sample are counted.
+constexpr std::uint32_t kPixels = 256, kSamples = 16;
+
+}  // namespace
+
+PilotBudget pilot_budget(Trials& trials, const PilotRequest& request) {
+  const Film film = trials.reduced(kPixels);
+  const PilotImages probe = trials.images({}, film, whole(film, kSamples), 1);
+  const double rays = std::max(1.0, rays_of(probe) / (pixels_of(film) * kSamples));
+  const double all = rays * pixels_of(request.film) * request.samples;
+  const double of_small = std::clamp(kPartOfSmall * all, kLeastRays, kEnoughRays);
+  const double part = std::max(kPart * all, of_small);
+  return {.samples = std::max(0.0, std::min(part, kMostRays) / rays - request.training_samples),
+          .mean = means_of_images(probe)[0]};
+}
+
+}  // namespace nocturne
