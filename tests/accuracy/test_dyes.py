@@ -128,7 +128,7 @@ def _walk(count: int, depth: float, absorption: float, scattering: float, emitti
 
 @pytest.mark.parametrize("density", ["even", "layers"])
 def test_photons_from_the_light_come_to_the_same(density: str, tmp_path: Path) -> None:
-    """Fog with a dye that absorbs some of what it emits, under a lamp; photons from the light, followed by
+    """Fog with a dye that absorbs a part of its emission, under a lamp; photons from the light, followed by
     another program, leave as much below. False alarms: 0.01 in each."""
     absorption, scattering, emitting = 0.7, 1.2, 0.3
     medium: Document = {

@@ -202,7 +202,7 @@ def _molecules(depolarisation: float) -> Scene:
     document["tracing"] = {"maximum_depth": 1}
     gamma = depolarisation / (2 - depolarisation)
     phase = 3 / (16 * pi * (1 + 2 * gamma)) * (1 + 3 * gamma)
-    # Along the line of sight light has come down through the ball, by the root of what is left of its radius.
+    # Along the line of sight light has come down through the ball, by the height of the ball there.
     at = (np.arange(20_000) + 0.5) / 10_000 - 1.0
     lost = np.exp(-scattering * (np.sqrt(1 - at**2) + at + 1.0))
     light = float(scattering * phase * 2.0 * np.mean(lost))
