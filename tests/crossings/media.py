@@ -86,7 +86,7 @@ def _kind(draft: Draft, per_metre: float) -> tuple[Document, float]:
             made["phase"] = _phase(draft)
     if not made or chance.maybe(0.5):
         made["absorption"] = coefficient(draft, short(0.4 * level))
-    if chance.maybe(0.15):
+    if chance.maybe(0.05):
         made["fluorescence"] = [_dye(draft, level)]
     return made, 1.0
 
