@@ -60,7 +60,7 @@ def rows(figures: Figures) -> list[Row]:
 
 
 def _held(found: YearOfLight, truth: YearOfLight, name: str) -> Any:
-    """Of each point; the truth has errors of its own."""
+    """Of each point; the truth has errors, too."""
     one, other = found.by_point[name], truth.by_point[name]
     half = one.interval()[1] - one.value
     slack = other.interval()[1] - other.value

@@ -88,6 +88,18 @@ def rows(figures: Figures) -> list[Row]:
     return table
 
 
+def table(figures: Figures) -> list[str]:
+    """The same with a column for each level."""
+    lines = [f"| scene | sampler | {' | '.join(f'nominal {level}' for level in LEVELS)} | warned |"]
+    lines.append("| --- " * (3 + len(LEVELS)) + "|")
+    for name, each in _each(figures):
+        scene, _, sampler = name.partition(", ")
+        observed = " | ".join(f"{100 * each['coverage'][level]:.3g} %" for level in LEVELS)
+        lines.append(f"| {scene} | {sampler} | {observed} | {100 * each['flagged']:.3g} % |")
+    diagnostic = rows(figures)[-1]
+    return [*lines, "", f"The {diagnostic.what}: {diagnostic.figure}."]
+
+
 def diagnosis(figures: Figures) -> dict[str, int]:
     """Renders by whether their scene's intervals are broken and whether the diagnostic says so."""
     count = {"hits": 0, "misses": 0, "false alarms": 0, "sound": 0}

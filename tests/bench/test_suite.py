@@ -13,6 +13,7 @@ from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.chart import Line, write_chart
 
 from bench.accumulation import _sums
+from bench.coverage_chart import coverage_chart
 from bench.error_bars import SCENES as NAMES
 from bench.error_bars import SEQUENCES, diagnosis
 from bench.peer.agreement import Reference
@@ -148,7 +149,7 @@ def test_page_compares_with_the_best() -> None:
         "Mitsuba x": _way(-1.0, 4.0),
         "march": {"points": []},
     }
-    text = page.speed(_figures(ways))
+    text = page.details(_figures(ways))
     assert "| two photons | 100 | 1 | -1 | 0.0025 |" in text
     assert "| split | 200 | 2 | -1 | 0.005 |" in text
     assert "| path | does not converge | | 0 | 0.01 |" in text
@@ -161,22 +162,39 @@ def test_page_compares_with_the_best() -> None:
 def test_times_shorter_than_any_measured_are_equal() -> None:
     """A line through images that are as good as exact says nothing of how long 1 % takes."""
     ways = {"two photons": _way(-1.0, 1e-6), "kernel only": _way(-1.0, 1e-3)}
-    text = page.speed(_figures(ways))
+    text = page.details(_figures(ways))
     assert "| two photons | less than 0.5 | 1 |" in text
     assert "| kernel only | less than 0.5 | 1 |" in text
 
 
 def test_page_says_what_is_missed_and_by_how_much() -> None:
-    text = page.speed(_figures({"two photons": _way(-1.0), "Mitsuba x": _way(-1.0, 0.5)}))
+    text = page.details(_figures({"two photons": _way(-1.0), "Mitsuba x": _way(-1.0, 0.5)}))
     assert "| cornell | 2 (two photons) | 2 | 0.07 | at most 1 | **missed by 2** |" in text
     assert f"- **cornell**: {WHY['cornell']}" in text
 
 
 def test_page_says_when_the_reference_cant_tell() -> None:
-    text = page.speed(_figures({"two photons": _way(-1.0), "Mitsuba x": _way(-1.0, 1e-3)}))
+    text = page.details(_figures({"two photons": _way(-1.0), "Mitsuba x": _way(-1.0, 1e-3)}))
     row = next(line for line in text.splitlines() if line.startswith("| cornell | 1e+03"))
     assert "not comparable" in row
     assert "missed" not in row
+
+
+def test_a_screen_shows_the_default_and_mitsuba() -> None:
+    ways = {
+        "auto": _way(-1.0),
+        "split": _way(-1.0, 2.0),
+        "Mitsuba x": _way(-1.0, 4.0),
+        "Mitsuba y": _way(0.0),
+    }
+    text = page.speed(_figures(ways))
+    assert "| cornell | 100 | 100 (auto) | 400 (x) |" in text
+    assert "- **cornell**" not in text
+    text = page.speed(_figures({"auto": _way(-1.0), "Mitsuba y": _way(0.0)}))
+    assert "| cornell | 100 | 100 | does not converge |" in text
+    text = page.speed(_figures({"auto": _way(-1.0)}))
+    assert "| cornell | 100 | 100 | can't render it |" in text
+    assert f"- **cornell**: {WHY['cornell']}" in text
 
 
 def test_finding_no_light_is_not_the_best_way() -> None:
@@ -234,3 +252,13 @@ def test_plain_tracer_must_give_the_same_image() -> None:
     _same(full, replace(full, tracing_cpu_s=2.0))
     with pytest.raises(NocturneClientError, match="another image"):
         _same(full, replace(full, xyz=1.0000001 * image))
+
+
+def test_the_chart_of_coverage_has_a_dot_for_each_reading() -> None:
+    """At the heights of what was observed: 80 % lies midway between 60 and 100 %."""
+    figures = {"cornell, sobol": {"coverage": {"68 %": 0.8, "95 %": 1.0, "99 %": 0.6}}}
+    dots = re.findall(r'cy="([0-9.]+)" r="4" fill="[^"]+">\s*<title>([^<]+)', coverage_chart(figures))
+    heights = {told: float(y) for y, told in dots}
+    assert set(heights) == {f"cornell, sobol: {each} %" for each in ("80", "100", "60")}
+    middle = (heights["cornell, sobol: 100 %"] + heights["cornell, sobol: 60 %"]) / 2
+    assert heights["cornell, sobol: 80 %"] == pytest.approx(middle)

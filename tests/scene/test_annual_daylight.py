@@ -202,3 +202,18 @@ def test_blinds_close_where_the_sun_comes_in(year: WeatherYear) -> None:
     assert not both.whole[..., closed].any()
     assert (both.whole[..., ~closed] == opened.whole[..., ~closed]).all()
     assert both.sun is opened.sun
+
+
+def test_a_correction_is_known_no_better_than_by_its_size() -> None:
+    """The square of a mean of 32 numbers is too high by their variance over 32. All but a group of 4 have
+    that bias over 28: the jackknife takes it out, and keeps it as a part of the error."""
+    values = np.random.default_rng(2).normal(0, 1, (32, 400))
+    left_out = [
+        values.mean(axis=0),
+        *(np.delete(values, g, axis=0).mean(axis=0) for g in metrics.groups_of(32)),
+    ]
+    found = metrics.jackknife(np.stack(left_out)[..., None] ** 2)
+    assert abs(found.value.mean()) < 3 * found.value.std() / 20
+    corrections = found.value[:, 0] - left_out[0] ** 2
+    assert corrections.mean() == pytest.approx(-1 / 32, rel=0.1)
+    assert (found.error[:, 0] >= np.abs(corrections)).all()

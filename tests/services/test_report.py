@@ -71,6 +71,43 @@ def test_readings_are_those_of_measure(evening: Path, tmp_path: Path) -> None:
     assert float(found[2]) == pytest.approx(half, rel=0.06)
 
 
+def test_a_render_of_the_service(evening: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its image and its document are fetched; a document that names files is left out, and that is said."""
+
+    class Service:
+        def __init__(self, url: str | None) -> None:
+            assert url == "http://there"
+
+        def __enter__(self) -> "Service":
+            return self
+
+        def __exit__(self, *_: object) -> None:
+            pass
+
+        def download(self, render: str, kind: str, path: Path) -> Path:
+            assert render == "r-1"
+            document = json.loads((OFFICE / "scene.json").read_text())
+            if "groups" in document and not self.files:
+                del document["groups"], document["instances"]
+                document["environment"] = {"radiance": 1.0}
+            path.write_bytes(evening.read_bytes() if kind == "exr" else json.dumps(document).encode())
+            return path
+
+        files = False
+
+    monkeypatch.setattr("nocturne_client.cli.report_command.Client", Service)
+    words = "report", "r-1", "--url", "http://there", "-o", tmp_path / "report.html"
+    _run(*words)
+    page = (tmp_path / "report.html").read_text()
+    assert "<h2>Materials</h2>" in page
+    assert "r-1; 256 samples a meter" in page
+    monkeypatch.setattr(Service, "files", True)
+    _run(*words)
+    page = (tmp_path / "report.html").read_text()
+    assert "<h2>Materials</h2>" not in page
+    assert "No scene document was given" in page
+
+
 def test_equal_images_give_equal_reports(evening: Path, tmp_path: Path) -> None:
     for name in ("one.svg", "other.svg"):
         _run("report", evening, "--scene", OFFICE / "scene.json", "-o", tmp_path / name)
@@ -82,6 +119,36 @@ def test_a_limit_at_the_value_itself_is_open(evening: Path, tmp_path: Path) -> N
     said = _run("report", evening, "--require", f"Em={measured['mean']:.3f}", "-o", tmp_path / "a.html")
     assert "open" in said
     assert "50 % that it holds" in (tmp_path / "a.html").read_text()
+
+
+def test_a_year_in_a_report(evening: Path, tmp_path: Path) -> None:
+    """Heat map, histogram, table, and a verdict by the points' probabilities: with ten points that pass with
+    90 % each, nine or more do with 0.9^10 + 10 x 0.9^9 x 0.1 = 0.736."""
+    share = {"value": 0.9, "low": 0.7, "high": 1.0}
+    days = [[0.0] * 8 + [400.0] * 8 + [0.0] * 8] * 365
+    figure = {"value": 0.5, "low": 0.4, "high": 0.6}
+    annual = {
+        "weather": "Here",
+        "hours": 3650,
+        "sDA": share | {"probabilities": [0.9] * 10},
+        "ASE": share,
+        "verdicts": [],
+        "hourly": [each for day in days for each in day],
+        "means": {"DA": figure},
+        "points": [{"DA": {"value": 0.05 + 0.1 * i}} for i in range(10)],
+    }
+    year, page = tmp_path / "year.json", tmp_path / "report.html"
+    year.write_text(json.dumps(annual))
+    said = _run("report", evening, "--annual", year, "--require", "sDA=90", "-o", page)
+    assert "open" in said
+    html = page.read_text()
+    assert "open, 74 % that it holds" in html
+    assert "mean illuminance by day and hour" in html
+    drawn = re.search(r"<svg[^>]*><title>mean illuminance by day.*?</svg>", html)
+    assert drawn is not None
+    # A row of light for each of the eight hours, one of night for each other, and the legend's ten.
+    assert drawn[0].count("<polygon") == 24 + 10
+    assert "points by their daylight autonomy" in html
 
 
 def test_what_is_refused(evening: Path, tmp_path: Path) -> None:

@@ -158,13 +158,15 @@ def jackknife(values: Floats) -> Estimate:
     1958.
 
     Noise of single hours moves the number of those above a limit to one side; the part of that which falls as
-    one over the number of samples is taken out. The error has a part for this, from how groupings differ.
+    one over the number of samples is taken out. The error has a part for how groupings differ in this, and
+    one as large as the correction itself: close to a limit, bias falls more slowly than as one over the
+    samples.
     """
     by_grouping = values[1:].reshape(GROUPINGS, GROUPS, *values.shape[1:])
-    value = GROUPS * values[0] - (GROUPS - 1) * values[1:].mean(axis=0)
+    correction = (GROUPS - 1) * (values[0] - values[1:]).mean(axis=0)
     square = (GROUPS - 1) * by_grouping.var(axis=1).mean(axis=0)
     of_correction = (GROUPS - 1) ** 2 * by_grouping.mean(axis=1).var(axis=0, ddof=1) / GROUPINGS
-    return Estimate(value, np.sqrt(square + of_correction), GROUPS - 1)
+    return Estimate(values[0] + correction, np.sqrt(square + of_correction + correction**2), GROUPS - 1)
 
 
 def share_of_points(figure: Estimate, limit: float) -> Share:

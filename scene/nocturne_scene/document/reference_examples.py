@@ -270,15 +270,6 @@ _TEXT = """
     "above": {"centre": [0, -100, 0], "radius": 100}
   }
 }
-# Dye medium
-{
-  "scattering": 6,
-  "fluorescence": [{
-    "absorption": {"table": [[400, 3], [450, 20], [500, 0]]},
-    "emission": {"table": [[490, 0], [530, 1], [600, 0]]},
-    "quantum_yield": 0.9
-  }]
-}
 # Grid whole
 {
   "media": {
@@ -304,11 +295,21 @@ _TEXT = """
 {
   "type": "tabulated",
   "cosines": [-1, 0, 1],
-  "values": [[2, 1, 2]],
-  "matrix": {"s12": [[0, -0.9, 0]], "s33": [[-1, 0, 1]], "s34": [[0, 0, 0]]}
+  "values": [[1.5, 0.75, 1.5]],
+  "matrix": {"s12": [[0, -1, 0]], "s33": [[-1, 0, 1]], "s34": [[0, 0, 0]]}
 }
 # MiePhase phase
 {"type": "mie", "droplets": {"mode_radius": 4e-6, "alpha": 6}}
+# Dye medium
+{
+  "fluorescence": [
+    {
+      "absorption": {"table": [[380, 20], [480, 20], [520, 0]]},
+      "emission": {"table": [[500, 0], [530, 1], [600, 0]]},
+      "quantum_yield": 0.9
+    }
+  ]
+}
 # Luminaire surface
 {
   "shape": {"type": "quad", "corner": [-0.3, 1.2, -0.3], "edge_u": [0.6, 0, 0], "edge_v": [0, 0, 0.6]},

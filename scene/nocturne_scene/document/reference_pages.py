@@ -87,14 +87,8 @@ SUBJECTS = (
         (
             *("Medium", "Interior", "Droplets", "ExponentialDensity", "LayeredDensity", "AbovePlane"),
             *("AboveSphere", "Grid", "IsotropicPhase", "HenyeyGreensteinPhase"),
-            *(
-                "DoubleHenyeyGreensteinPhase",
-                "RayleighPhase",
-                "TabulatedPhase",
-                "ScatteringMatrix",
-                "MiePhase",
-            ),
-            "Dye",
+            *("DoubleHenyeyGreensteinPhase", "RayleighPhase", "TabulatedPhase", "ScatteringMatrix"),
+            *("MiePhase", "Dye"),
         ),
     ),
     Subject(
@@ -209,6 +203,7 @@ SHARED = (
         "materials",
         ("roughness", "roughness_u", "roughness_v", "distribution"),
     ),
+    SharedFields("Fields of spectra as light", "spectra", ("luminance",)),
     SharedFields("Fields of a placement", "shapes", ("scale", "rotate", "translate")),
     SharedFields("Fields of all uses of a texture", "textures", ("texture", "scale", "offset")),
 )

@@ -19,6 +19,8 @@ _PIECE_BYTES = 2**20
 _TEXT_BYTES = 16 * 2**20
 _TOLD = 8
 
+_MESH = ".obj"
+
 
 def unpack(archive: Path, folder: Path) -> list[str]:
     """Write the files of an archive below a folder; return their paths in it. Raises InputError."""
@@ -58,6 +60,9 @@ def scene_among(names: Iterable[str], ends: Iterable[str], place: str, folder: P
     found = [name for name in names if name.lower().endswith(tuple(ends))]
     if not found:
         raise InputError.at(place, f"holds no scene; expected a file that ends in {', '.join(ends)}")
+
+    # Meshes of other scenes are such files, too.
+    found = [name for name in found if not name.lower().endswith(_MESH)] or found
 
     def order(name: str) -> tuple[int, bool]:
         path = PurePosixPath(name)

@@ -47,6 +47,12 @@ def _radiance(file: Path, writer: SceneWriter, findings: Findings, options: Impo
     import_radiance(file, writer, findings, options)
 
 
+def _obj(file: Path, writer: SceneWriter, findings: Findings, options: ImportOptions) -> None:
+    from nocturne_scene.formats.wavefront.read import import_obj
+
+    import_obj(file, writer, findings, options)
+
+
 FORMATS: dict[str, Importer] = {
     ".xml": _mitsuba,
     ".pbrt": _pbrt,
@@ -54,6 +60,7 @@ FORMATS: dict[str, Importer] = {
     ".gltf": _gltf,
     ".glb": _gltf,
     ".rad": _radiance,
+    ".obj": _obj,
 }
 """Importers by the end of a file's name."""
 

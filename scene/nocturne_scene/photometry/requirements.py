@@ -1,4 +1,4 @@
-"""What is asked of the light of a place, by a standard or by hand, and how sure it is that it holds."""
+"""Requirements of the light of a place, by a standard or by hand, and how sure it is that they hold."""
 
 from dataclasses import dataclass, fields
 from typing import Literal, NamedTuple
@@ -95,7 +95,7 @@ def certainty(value: float, error: float | None, limit: float, *, at_most: bool 
 
 
 def together(parts: list[Certainty]) -> Certainty:
-    """Of all: they hold together at least by what is left of the doubts (Bonferroni), and one that fails is
+    """Of all: they hold together at least by 1 less the sum of doubts (Bonferroni), and one that fails is
     enough."""
     doubts = sum(1.0 - each.holds for each in parts)
     return Certainty(max(0.0, 1.0 - doubts), max((each.fails for each in parts), default=0.0))

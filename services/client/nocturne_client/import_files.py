@@ -16,11 +16,12 @@ from nocturne_client.scene_files import digest
 
 # Those that name no other files.
 _ALONE = (".glb", ".rad", ".zip")
-# Those that may name others; all of their formats put names into quotes.
-_TEXTS = (".xml", ".pbrt", ".pbrt.gz", ".gltf")
+# Those that may name others; all of their formats but OBJ put names into quotes.
+_TEXTS = (".xml", ".pbrt", ".pbrt.gz", ".gltf", ".obj")
 _QUOTED = [
     re.compile(b"(?<=[%s])[^%s\\r\\n]{1,1024}(?=[%s])" % (3 * (quote,))) for quote in (b'"', b"'", b"\"'")
 ]
+_QUOTED.append(re.compile(rb"(?m)(?<=^mtllib )[^\r\n]{1,1024}"))
 """The text between two quotes, and between a closing one and the next: an apostrophe in a comment hides
 nothing."""
 # The service takes no more.

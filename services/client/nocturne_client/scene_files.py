@@ -55,7 +55,7 @@ def read_scene(path: Path) -> SceneOnDisk:
     return SceneOnDisk(document, files)
 
 
-OTHER_RENDERERS = (".xml", ".pbrt", ".pbrt.gz", ".gltf", ".glb", ".rad", ".zip")
+OTHER_RENDERERS = (".xml", ".pbrt", ".pbrt.gz", ".gltf", ".glb", ".rad", ".obj", ".zip")
 """How files of scenes end that are imported."""
 
 

@@ -50,6 +50,11 @@ def test_of_several_scenes_it_is_the_one_that_names_the_others(tmp_path: Path) -
     assert among(tmp_path, files) == "room.pbrt"
 
 
+def test_meshes_of_a_scene_are_no_scenes(tmp_path: Path) -> None:
+    assert among(tmp_path, {"room/scene.xml": "", "mesh.obj": "", "room/scene.obj": ""}) == "room/scene.xml"
+    assert among(tmp_path, {"model/house.obj": "", "model/house.mtl": ""}) == "model/house.obj"
+
+
 @pytest.mark.parametrize("names", [["a.xml", "b.xml"], ["x/b.pbrt", "x/a.gltf"], ["scene.xml", "scene.glb"]])
 def test_several_scenes_are_not_taken_by_the_alphabet(tmp_path: Path, names: list[str]) -> None:
     with pytest.raises(InputError, match=f"several scenes, {', '.join(sorted(names))}; give one of them"):

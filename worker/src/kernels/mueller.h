@@ -96,7 +96,7 @@ Mueller<N> dielectric_mirror(float cosine, const Spectral<N>& ratio, std::uint32
   return found;
 }
 
-/// A kernel that knows its effect on polarised light; others depolarise it. `photons`: bit i,
+/// A kernel that says what it does to polarised light; others depolarise it. `photons`: bit i,
 /// whether anybody asks of photon i.
 template <class B, int N>
 concept Polarises = requires(const B& b, Vec3 wo, Vec3 wi, std::uint32_t photons) {

@@ -143,7 +143,8 @@ std::uint32_t VisibleSky::add_cell(const std::vector<Sighting>& all, std::size_t
                                    std::size_t end) {
   std::array<double, kBins> worth{};
   for (std::size_t i = begin; i < end; ++i) {
-    const int row = all[i].bin / kColumns, column = all[i].bin % kColumns;
+    const auto bin = static_cast<int>(all[i].bin), columns = static_cast<int>(kColumns);
+    const int row = bin / columns, column = bin % columns;
     for (int down = -1; down <= 1; ++down) {
       if (row + down < 0 || row + down >= static_cast<int>(kRows)) continue;
       for (int right = -1; right <= 1; ++right) {

@@ -12,6 +12,8 @@ it with schemas and examples at `/docs`, and gives it at `/openapi.json`. What t
 gRPC methods, is in [the API](api.md).
 """
 _EVERYWHERE = ("401", "403", "422", "429", "500", "503")
+_OF_ANY_BODY = {"TOO_SLOW"}
+_OF_ONE_RENDER = {"NOT_FOUND", "AMBIGUOUS_ID"}
 
 
 def page(description: dict[str, Any]) -> str:
@@ -28,7 +30,10 @@ def page(description: dict[str, Any]) -> str:
         head = "| route | what | body | answer | errors |\n| --- | --- | --- | --- | --- |"
         parts.append("\n".join([title, head, *rows]) + "\n")
     codes = ", ".join(_EVERYWHERE)
-    parts.append(f"Besides, every route under `/v1` may answer {codes}: see [errors](api.md#errors).\n")
+    parts.append(
+        f"In addition, every route under `/v1` may answer {codes} and TOO_SLOW, and routes of one render "
+        "NOT_FOUND and AMBIGUOUS_ID: see [errors](api.md#errors).\n"
+    )
     return "\n".join(parts)
 
 
@@ -37,8 +42,10 @@ def _row(method: str, path: str, operation: dict[str, Any]) -> str:
     answers = operation["responses"]
     good = [f"{status} {', '.join(_content(answers[status]))}".strip() for status in answers if status < "4"]
     errors = [status for status in answers if status >= "4" and status not in _EVERYWHERE]
-    named = [answers[status]["$ref"].rpartition("/")[2].replace("-", ", ") for status in errors]
-    cells = (f"`{method.upper()} {path}`", operation["summary"], body, "; ".join(good), ", ".join(named))
+    named = [each for status in errors for each in answers[status]["$ref"].rpartition("/")[2].split("-")]
+    usual = _OF_ANY_BODY | (_OF_ONE_RENDER if "{render_id}" in path else set())
+    told = ", ".join(each for each in named if each not in usual)
+    cells = (f"`{method.upper()} {path}`", operation["summary"], body, "; ".join(good), told)
     return f"| {' | '.join(cells)} |"
 
 

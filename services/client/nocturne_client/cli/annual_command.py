@@ -42,14 +42,14 @@ def annual(
         Path | None,
         typer.Option(_HOURS, metavar="OUT.csv", help="A line for each hour: the mean of the points."),
     ] = None,
-    patches: Annotated[int, typer.Option("--patches", help="Of the sky: 145, 577 or 2305.")] = 577,
+    patches: Annotated[int, typer.Option("--patches", help="Patches of the sky: 145, 577 or 2305.")] = 577,
     sun_patches: Annotated[
         int,
-        typer.Option("--sun-patches", help="Of the sky, for sunlight via surfaces: 145, 577 or 2305."),
+        typer.Option("--sun-patches", help="Patches for sunlight via surfaces: 145, 577 or 2305."),
     ] = 2305,
-    samples: Annotated[int, typer.Option("--samples", min=64, help="Of each point, at most.")] = 8192,
+    samples: Annotated[int, typer.Option("--samples", min=64, help="Samples of each point, at most.")] = 8192,
     batches: Annotated[
-        int, typer.Option("--batches", min=32, max=256, help="Independent ones, for the intervals.")
+        int, typer.Option("--batches", min=32, max=256, help="Independent batches, for the intervals.")
     ] = 32,
     sure: Annotated[
         float,
@@ -60,14 +60,17 @@ def annual(
             help="Stop when verdicts about sDA hold or fail with this probability.",
         ),
     ] = 0.99,
-    lux: Annotated[float, typer.Option("--lux", min=0.001, help="Enough light, lx.")] = 300.0,
+    lux: Annotated[
+        float, typer.Option("--lux", min=0.001, help="Illuminance that counts as enough, lx.")
+    ] = 300.0,
     hours: Annotated[
-        tuple[float, float], typer.Option("--hours", help="From and to which hour of the day light counts.")
+        tuple[float, float],
+        typer.Option("--hours", help="Hours of the day in which light counts, from and to."),
     ] = (8.0, 18.0),
     north: Annotated[
         str,
         typer.Option(
-            "--north", metavar="X,Y,Z", help="Direction of north. Default: of the scene's sky, or -z."
+            "--north", metavar="X,Y,Z", help="Direction of north. Default: that of the scene's sky, or -z."
         ),
     ] = "",
     ground: Annotated[
@@ -100,7 +103,9 @@ def annual(
         bool, typer.Option("--melanopic", help="Also melanopic EDI, in twice the time; all daylight is D65.")
     ] = False,
     threads: Threads = 0,
-    seed: Annotated[int | None, typer.Option("--seed", min=0, help="Instead of the scene's own.")] = None,
+    seed: Annotated[
+        int | None, typer.Option("--seed", min=0, help="Seed instead of the scene's own.")
+    ] = None,
     settings: Settings = None,
     as_json: AsJson = False,
 ) -> None:

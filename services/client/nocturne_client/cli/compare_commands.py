@@ -28,10 +28,11 @@ def compare_images(
         ),
     ] = None,
     reference_samples: Annotated[
-        float, typer.Option("--reference-samples", min=1, help="That B is the mean of; with --variance.")
+        float,
+        typer.Option("--reference-samples", min=1, help="Samples that B is the mean of; with --variance."),
     ] = 32_000,
     samples: Annotated[
-        float | None, typer.Option("--samples", min=1, help="Of A's pixels. Default: as A says.")
+        float | None, typer.Option("--samples", min=1, help="Samples of A's pixels. Default: as A says.")
     ] = None,
     scale: Annotated[float, typer.Option("--scale", help="A's values are multiplied by this.")] = 1.0,
     difference: Annotated[

@@ -16,9 +16,9 @@ from nocturne_client.client import Client
 from nocturne_client.errors import NocturneClientError
 
 Centre = Annotated[
-    str, typer.Option("--centre", metavar="X,Y,Z", help="Of the sphere that holds the lamp, m.")
+    str, typer.Option("--centre", metavar="X,Y,Z", help="Centre of the sphere that holds the lamp, m.")
 ]
-Radius = Annotated[float, typer.Option("--radius", min=0, help="Of that sphere, m.")]
+Radius = Annotated[float, typer.Option("--radius", min=0, help="Radius of that sphere, m.")]
 
 
 def add_to(app: typer.Typer) -> None:
@@ -83,7 +83,9 @@ def goniometer(
     bands: BandEdges = "",
     settings: Settings = None,
     threads: Threads = 0,
-    seed: Annotated[int | None, typer.Option("--seed", min=0, help="Instead of the scene's own.")] = None,
+    seed: Annotated[
+        int | None, typer.Option("--seed", min=0, help="Seed instead of the scene's own.")
+    ] = None,
     table: Annotated[
         Path | None,
         typer.Option(
@@ -116,13 +118,15 @@ def rays(
         typer.Option("--output", "-o", metavar="LAMP.TM25RAY", help="Where it goes.", dir_okay=False),
     ],
     photons: Annotated[
-        int, typer.Option("--photons", min=1, max=10_000_000, help="How many leave the luminaires.")
+        int, typer.Option("--photons", min=1, max=10_000_000, help="Photons that leave the luminaires.")
     ] = 1_000_000,
     centre: Centre = "",
     radius: Radius = 0.0,
     settings: Settings = None,
     threads: Threads = 0,
-    seed: Annotated[int | None, typer.Option("--seed", min=0, help="Instead of the scene's own.")] = None,
+    seed: Annotated[
+        int | None, typer.Option("--seed", min=0, help="Seed instead of the scene's own.")
+    ] = None,
 ) -> None:
     """Write what leaves a lamp in a scene as a ray file (IES TM-25): photons where they leave the sphere
     around it, each with its wavelength, W and lm.

@@ -52,7 +52,9 @@ def render(
     height: FilmHeight = None,
     samples: Samples = 256,
     threads: Threads = 0,
-    seed: Annotated[int | None, typer.Option("--seed", min=0, help="Instead of the scene's own.")] = None,
+    seed: Annotated[
+        int | None, typer.Option("--seed", min=0, help="Seed instead of the scene's own.")
+    ] = None,
     statistics: Annotated[
         Path | None, typer.Option("--statistics", metavar="OUT.json", help="Write counts and times here.")
     ] = None,
@@ -141,7 +143,7 @@ def import_scene(
         typer.Argument(
             metavar="FILE",
             help="Mitsuba 3 or 0.x (.xml), pbrt-v4 or v3 (.pbrt), glTF (.gltf, .glb), Radiance (.rad), "
-            "or a .zip of one.",
+            "Wavefront OBJ (.obj), or a .zip of one.",
         ),
     ],
     output: Annotated[

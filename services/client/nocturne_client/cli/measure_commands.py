@@ -24,7 +24,7 @@ Colour = Annotated[
     bool,
     typer.Option(
         "--colour",
-        help="Tell the colour of the light: CCT, Ra, Rf, alpha-opic; needs `colour` of the sensor.",
+        help="Also measure the light's colour: CCT, Ra, Rf, alpha-opic; needs `colour` of the sensor.",
     ),
 ]
 Polygon = Annotated[
@@ -32,7 +32,7 @@ Polygon = Annotated[
     typer.Option(
         "--polygon",
         metavar="'X,Y X,Y X,Y...'",
-        help="Corners in pixels: it has the pixels whose centres it holds.",
+        help="Corners in pixels; pixels whose centres lie inside belong to it.",
     ),
 ]
 _LEAST = {"polygon": 3, "line": 2}
@@ -62,7 +62,7 @@ def measure(
     bins: Annotated[int, typer.Option("--histogram", metavar="BINS", min=0, help="Count values, too.")] = 0,
     colour: Colour = False,
     keep: Annotated[
-        bool, typer.Option("--keep", help="Keep these with the render, instead of all that were.")
+        bool, typer.Option("--keep", help="Keep these regions with the render, instead of the former ones.")
     ] = False,
     as_csv: Annotated[
         bool, typer.Option("--csv", help="Print a table for spreadsheets; of one line alone, its profile.")
@@ -112,7 +112,7 @@ def glare(
         float | None,
         typer.Option(
             "--threshold",
-            help="cd/m2 of what glares; default: luminaires in UGR, where the image tells them, and 2000.",
+            help="Sources are brighter, cd/m2; default: luminaires for UGR, where it has them, else 2000.",
         ),
     ] = None,
     projection: Annotated[
@@ -142,8 +142,8 @@ def point(
     ] = 0.0,
     as_json: AsJson = False,
 ) -> None:
-    """What the point of a panorama receives: illuminances of planes, of a cylinder, half of one, a
-    half-sphere and a sphere; modelling, and the light's colour temperature on the plane ahead."""
+    """Illuminances at the point of a panorama: of planes, of a cylinder, half of one, a half-sphere and
+    a sphere; modelling, and the light's colour temperature on the plane ahead."""
     from nocturne_client.local.measuring import point_of_file
 
     found = point_of_file(image, azimuth)

@@ -44,7 +44,7 @@ def preflight(
     threads: Threads = 0,
     as_json: AsJson = False,
 ) -> None:
-    """Say what a scene needs: what each part changes and costs, and the cheapest scene that is enough."""
+    """Show which parts of a scene matter: what each changes and costs, and the cheapest sufficient scene."""
     from nocturne_scene.simplify.report import as_json as report
     from nocturne_scene.simplify.search import Request
 

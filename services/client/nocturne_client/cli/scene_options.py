@@ -28,7 +28,9 @@ FilmHeight = Annotated[
 Light = Annotated[
     str,
     typer.Option(
-        "--light", metavar="sky|studio|FILE", help="Of an imported scene; default: sky where nothing emits."
+        "--light",
+        metavar="sky|studio|FILE",
+        help="Light of an imported scene; default: sky where nothing emits.",
     ),
 ]
 AllowMissing = Annotated[

@@ -92,7 +92,7 @@ def list_renders(
     words: Annotated[
         list[str] | None,
         typer.Argument(
-            help="All to be found in name, id, owner, state, group or tags. Default: all renders."
+            help="Words that all stand in name, id, owner, state, group or tags. Default: all renders."
         ),
     ] = None,
     limit: Annotated[int, typer.Option("--limit", min=1, help="How many at most.")] = 20,
@@ -129,11 +129,9 @@ def get(
     ] = None,
     difference: Annotated[
         Path | None,
-        typer.Option("--difference", help="Write a PNG of where that leaves the image's error bars."),
+        typer.Option("--difference", help="Write a PNG of where the denoised picture leaves the error bars."),
     ] = None,
-    log: Annotated[
-        Path | None, typer.Option("--log", help="Write what happened to it here, line by line.")
-    ] = None,
+    log: Annotated[Path | None, typer.Option("--log", help="Write its history here, line by line.")] = None,
     bundle: Annotated[
         Path | None,
         typer.Option("--bundle", help="Write a ZIP for a bug report here."),
@@ -143,7 +141,7 @@ def get(
         typer.Option(
             "--region",
             metavar="X,Y[,WIDTH,HEIGHT]",
-            help="Print what these pixels show instead: the number, its 95 % interval, its unit.",
+            help="Print these pixels instead: value, 95 % interval, unit.",
         ),
     ] = "",
     url: Url = None,
@@ -199,8 +197,7 @@ def delete(
     yes: Annotated[bool, typer.Option("--yes", help="Cancel it without asking if it has not ended.")] = False,
     url: Url = None,
 ) -> None:
-    """Forget a render, with its images and the files that no other render uses; one that runs is
-    cancelled."""
+    """Delete a render, its images and the files that no other render uses; a running one is cancelled."""
     with Client(url) as client:
         render = client.get(render_id)
         if not render.has_ended:
@@ -282,7 +279,9 @@ def replay(
 
 def tag(
     render_id: RenderId,
-    tags: Annotated[list[str] | None, typer.Argument(help="Instead of those before; none: no tags.")] = None,
+    tags: Annotated[
+        list[str] | None, typer.Argument(help="Tags instead of the former ones; none: no tags.")
+    ] = None,
     url: Url = None,
     as_json: AsJson = False,
 ) -> None:

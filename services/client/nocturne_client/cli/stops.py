@@ -35,7 +35,7 @@ Until = Annotated[
 Drop = Annotated[
     list[str] | None,
     typer.Option(
-        "--drop", metavar="CONDITION", help="Go on without it: error, tile-error, for, cpu or until."
+        "--drop", metavar="CONDITION", help="Drop this condition: error, tile-error, for, cpu or until."
     ),
 ]
 _NAMES = {

@@ -62,10 +62,12 @@ def up(
     core_hour_price: Annotated[
         float | None,
         typer.Option(
-            "--core-hour-price", min=0, help="Of an hour of one processor: shows what renders cost."
+            "--core-hour-price", min=0, help="Price of an hour of one processor; shows what renders cost."
         ),
     ] = None,
-    currency: Annotated[str | None, typer.Option("--currency", help="Of that price; else EUR.")] = None,
+    currency: Annotated[
+        str | None, typer.Option("--currency", help="Currency of that price; default: EUR.")
+    ] = None,
     webhook_network: Annotated[
         str | None,
         typer.Option(

@@ -36,7 +36,7 @@ def validate(
     page: Annotated[
         Path | None, typer.Option("--page", metavar="OUT.html", help="Write a page that needs no other file.")
     ] = None,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Of all random numbers.")] = 0,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of all random numbers.")] = 0,
     threads: Annotated[int, typer.Option("--threads", min=0, help="0: one per processor.")] = 0,
     as_json: AsJson = False,
 ) -> None:

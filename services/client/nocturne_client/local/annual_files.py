@@ -26,7 +26,7 @@ UNITS = {
 
 
 def as_json(found: YearOfLight) -> dict[str, Any]:
-    """All but the hours."""
+    """All of it; `hourly` is the mean over the points of each hour of the year, lx."""
     place = found.year.place
     return {
         "weather": found.year.name,
@@ -39,6 +39,7 @@ def as_json(found: YearOfLight) -> dict[str, Any]:
         "sDA": {**_share(found.sda), "probabilities": found.sda.probabilities.tolist()},
         "ASE": _share(found.ase),
         "verdicts": [{"says": said, "probability": chance} for said, chance in found.verdicts()],
+        "hourly": [float(f"{each:.4g}") for each in found.hourly.value],
         "means": {name: _estimate(each) for name, each in found.means.items()},
         "points": [
             {

@@ -1,4 +1,4 @@
-"""Materials of Radiance as kernels, and what they emit."""
+"""Materials of Radiance as kernels, and their light."""
 
 import math
 from collections.abc import Callable, Sequence
@@ -57,7 +57,7 @@ def _colour(values: Sequence[float], material: Primitive) -> list[float]:
 
 
 def _plastic(material: Primitive, findings: Findings) -> Json:
-    """Diffuse light is what is not reflected specularly, times the colour."""
+    """Light that is not reflected specularly is diffuse, times the colour."""
     red, green, blue, specular, rough = material.need(5)
     colour = _colour((red, green, blue, specular), material)[:3]
     if specular == 0.0:
@@ -122,7 +122,7 @@ def _trans(material: Primitive, findings: Findings) -> Json:
 
 
 def _glass(material: Primitive, findings: Findings) -> Json:
-    """Transmissivity is that of one way through the pane, without reflections."""
+    """Transmissivity is that of one crossing of the pane, without reflections."""
     del findings
     given = material.numbers
     index = given[3] if len(given) == 4 else _GLASS_INDEX

@@ -13,6 +13,7 @@ from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.formats.reading.options import ImportOptions
 from nocturne_scene.formats.reading.scene_files import TEXT_BYTES
 from nocturne_scene.formats.reading.scene_writer import Json, SceneWriter
+from nocturne_scene.formats.reading.views import panorama_inside
 from nocturne_scene.meshes.triangles import Triangles, merge
 from nocturne_scene.texts import text_of
 
@@ -35,7 +36,7 @@ class _Reader:
     extent: Extent = field(default_factory=Extent)
 
     def read(self, given: Primitive) -> None:
-        """Raises InputError for what is wrong, or is not read."""
+        """Raises InputError for a wrong primitive, or a kind that is not read."""
         if given.kind == "alias":
             self.modifiers[given.name] = self._known(given.texts[0], given)
         elif given.kind in (*_MATERIALS, "brightfunc"):
@@ -50,7 +51,7 @@ class _Reader:
             self._material(given)
             self.meshes.setdefault(given.modifier, []).append(mesh)
         else:
-            # What it modifies is then told as having no material.
+            # Surfaces of that modifier have no material then, and are lost, too.
             known = ", ".join((*_MATERIALS, *surfaces.MESHES, *_ROUND, "source", "alias"))
             raise InputError.at(given.place, f"{given.kind} {given.name} is not read; read are {known}")
 
@@ -115,7 +116,7 @@ class _Reader:
             self.skies.append((given, glow, function))
 
     def finish(self) -> None:
-        """Writes what was gathered: a mesh for each material, and the sky."""
+        """Writes a mesh for each material, and the sky."""
         for modifier, parts in self.meshes.items():
             material = self.modifiers[modifier]
             shape = self.writer.mesh(modifier, merge(parts))
@@ -129,14 +130,7 @@ class _Reader:
             asset = self.writer.picture("sky", pixels)
             self.writer.document["environment"] = {"asset": asset, "luminance": 1.0}
             self.findings.note("", "Radiance's sky became a picture; its blend at the horizon is in it")
-        self.writer.document["sensor"] = self._sensor()
-
-    def _sensor(self) -> Json:
-        """Radiance keeps views in other files."""
-        self.findings.note("", "the file has no camera; a panorama looks from the middle of the scene")
-        middle = np.zeros(3) if self.extent.is_empty else 0.5 * (self.extent.lowest + self.extent.highest)
-        x, y, z = (float(each) for each in middle)
-        return {"type": "panorama", "position": [x, y, z], "look_at": [x, y, z - 1.0]}
+        self.writer.document["sensor"] = panorama_inside(self.extent, self.findings)
 
 
 def import_radiance(file: Path, writer: SceneWriter, findings: Findings, options: ImportOptions) -> None:

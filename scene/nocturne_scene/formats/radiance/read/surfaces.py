@@ -13,7 +13,7 @@ from nocturne_scene.meshes.triangles import Triangles
 Values = NDArray[np.float64]
 
 _AROUND = 128
-"""Straight sides of what is round: a circle's area is 4e-4 too small."""
+"""Straight sides of a circle: a circle's area is 4e-4 too small."""
 _LEVEL = 1e-6
 
 

@@ -63,7 +63,7 @@ class Drawing:
     height: float
     shapes: list[Shape] = field(default_factory=list)
     title: str = ""
-    """What it shows, for those who don't see it."""
+    """A description, for those who don't see it."""
 
     def add(self, *shapes: Shape) -> None:
         """Over those that are there."""
@@ -75,7 +75,7 @@ class Drawing:
 
 
 def svg(drawing: Drawing, *, alone: bool = True) -> str:
-    """SVG, UTF-8; `alone`: a file of its own, and not a part of a page."""
+    """SVG, UTF-8; `alone`: a file by itself, and not a part of a page."""
     size = f'width="{drawing.width:.2f}mm" height="{drawing.height:.2f}mm"' if alone else 'width="100%"'
     head = 'xmlns="http://www.w3.org/2000/svg" ' if alone else ""
     title = escape(drawing.title)
@@ -89,7 +89,7 @@ def svg(drawing: Drawing, *, alone: bool = True) -> str:
 def _as_svg(shape: Shape) -> str:
     match shape:
         case Area(points, fill):
-            return f'<polygon points="{_places(points)}" fill="{fill}"/>'
+            return f'<polygon points="{_places(points)}" fill="{fill}" shape-rendering="crispEdges"/>'
         case Line(points, colour, width, dashed):
             dash = ' stroke-dasharray="1.2 0.8"' if dashed else ""
             return (

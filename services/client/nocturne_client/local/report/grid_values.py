@@ -1,4 +1,4 @@
-"""Values of an image on the grid of the standard, with what they say of the whole."""
+"""Values of an image on the grid of the standard, their mean and their least value."""
 
 import math
 from dataclasses import dataclass
@@ -43,7 +43,7 @@ class GridValues:
     @property
     def least(self) -> Least | None:
         """Of the true values, lx; None where errors are not known or a meter has seen nothing yet."""
-        return least(self.values, self.errors) if self._has_errors else None
+        return _not_below_dark(least(self.values, self.errors)) if self._has_errors else None
 
     @property
     def u0(self) -> Least | None:
@@ -52,7 +52,7 @@ class GridValues:
         if found is None or mean <= 0.0:
             return None
         below = least(self.values / mean, self._relative_errors(found.value / mean))
-        return Least(found.value / mean, below.low, below.high)
+        return _not_below_dark(Least(found.value / mean, below.low, below.high))
 
     @property
     def calmed(self) -> Values:
@@ -76,6 +76,10 @@ class GridValues:
         own = self.errors**2
         square = own + (ratio * error) ** 2 - 2.0 * ratio * own / self.values.size
         return np.asarray(np.sqrt(np.maximum(square, 0.0)) / mean)
+
+
+def _not_below_dark(found: Least) -> Least:
+    return Least(max(found.value, 0.0), max(found.low, 0.0), found.high)
 
 
 def grids_of(

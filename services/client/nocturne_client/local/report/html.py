@@ -18,13 +18,14 @@ h1 { font-size: 1.7rem; margin: 0 0 .3rem; } h2 { font-size: 1.2rem; margin: 2re
 .wide { overflow-x: auto; }
 table { border-collapse: collapse; width: 100%; font-size: .85rem; margin: .5rem 0; }
 th, td { text-align: left; padding: .2rem .7rem .2rem 0; border-bottom: 1px solid #ccc; vertical-align: top; }
-td.number, th.number { text-align: right; font-variant-numeric: tabular-nums; }
-td { overflow-wrap: anywhere; }
+td.number, th.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
+td:not(.number) { overflow-wrap: anywhere; min-width: 4.5rem; }
 svg { display: block; max-width: 100%; height: auto; }
 @media print {
   @page { size: A4; margin: 15mm; }
   body { max-width: none; margin: 0; padding: 0; font-size: 10pt; }
   h2 { break-after: avoid; } table, svg, .verdict { break-inside: avoid; } .wide { overflow: visible; }
+  table { font-size: 7.5pt; } th, td { padding-right: .35rem; }
 }
 """
 
@@ -73,7 +74,7 @@ def _table(table: Table) -> Iterator[str]:
             for at, text in enumerate(row)
         )
 
-    yield "<div class=wide><table>"
+    yield '<div class=wide tabindex=0 role=region aria-label="table"><table>'
     if any(table.head):
         yield f"<tr>{cells(table.head, 'th')}</tr>"
     for row in table.rows:

@@ -203,6 +203,8 @@ def _basis(asked: Asked, header: _header, samples: int) -> Section:
         "A requirement holds, or does not, from 95 % on; between, it is open. Probabilities of several "
         "limits together are what is left of their doubts (Bonferroni).",
     ]
+    if asked.scene is None:
+        notes.append("No scene document was given: outlines, luminaires and materials are missing.")
     return Section("Basis", tables=[Table(("", ""), rows, texts=2)], notes=notes)
 
 

@@ -83,7 +83,7 @@ def _section(section: Section) -> Iterator[Flowable]:
     parts: list[Flowable] = [Paragraph(escape(each), _style(9)) for each in section.paragraphs if each]
     parts += [_Drawn(each) for each in section.drawings]
     parts += [_table(each) for each in section.tables]
-    # A title stays with what comes first below it.
+    # A title stays with the first part below it.
     yield KeepTogether([*head, *parts[:1]])
     yield from parts[1:]
     for note in section.notes:
@@ -124,7 +124,10 @@ def _widths(table: Table) -> list[float]:
     columns = list(zip(table.head, *table.rows, strict=True))
     wanted = [min(46.0, max(6.0, *(0.8 * len(text) + 3.0 for text in column))) for column in columns]
     # No word is cut, but digests are.
-    words = [max(len(word) for text in column for word in text.split() or [""]) for column in columns]
+    words = [
+        max(len(word) for text in column for word in text.replace(" ± ", "_±_").split() or [""])
+        for column in columns
+    ]
     wanted = [max(each, min(1.15 * word + 3.0, 30.0)) for each, word in zip(wanted, words, strict=True)]
     return [_WIDTH * each / sum(wanted) for each in wanted]
 

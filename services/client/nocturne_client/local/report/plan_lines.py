@@ -1,4 +1,4 @@
-"""Outlines of a scene in a plan: what a plane cuts, what lies below it, and its luminaires."""
+"""Outlines of a scene in a plan: walls that a plane cuts, edges below it, and luminaires."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
@@ -54,7 +54,7 @@ class Frame:
 
 @dataclass
 class PlanLines:
-    """Lines by what they are of."""
+    """Lines of walls, of things below, and of luminaires."""
 
     cut: set[Segment] = field(default_factory=set)
     below: set[Segment] = field(default_factory=set)

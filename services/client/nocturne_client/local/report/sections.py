@@ -9,6 +9,7 @@ from nocturne_client.contract import Glare
 from nocturne_client.local.report.contents import Section, Table, between, with_half
 from nocturne_client.local.report.grid_values import GridValues
 from nocturne_client.local.report.scene_parts import Lamp, Material
+from nocturne_client.local.report.year import year_drawings
 from nocturne_client.readings import rounded
 
 _MEASURES = {
@@ -119,7 +120,9 @@ def annual_section(annual: Mapping[str, Any]) -> Section:
     said = [f"P({each['says']}) = {each['probability']:.3f}." for each in annual.get("verdicts", ())]
     place = f"{annual.get('weather', '')}; {annual.get('hours', 0)} hours"
     table = Table(("figure", "value", "95 % interval"), rows)
-    return Section("A year of daylight", [place, " ".join(said)], tables=[table])
+    return Section(
+        "A year of daylight", [place, " ".join(said)], drawings=year_drawings(annual), tables=[table]
+    )
 
 
 def lamp_section(lamps: Sequence[Lamp]) -> Section:
