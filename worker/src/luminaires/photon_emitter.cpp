@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "math/time_steps.h"
@@ -36,6 +37,22 @@ double mean_area_factor(const Placement& placement) {
   return sum / 3.0;
 }
 
+// Half of all flux as it is, half of it the same for each light group that has any.
+void share_among_groups(std::vector<double>& fluxes, const std::vector<std::uint32_t>& groups) {
+  std::map<std::uint32_t, double> of_group;
+  double total = 0.0;
+  for (std::size_t i = 0; i < fluxes.size(); ++i) {
+    if (!(fluxes[i] > 0.0)) continue;
+    of_group[groups[i]] += fluxes[i];
+    total += fluxes[i];
+  }
+  const auto count = static_cast<double>(of_group.size());
+  for (std::size_t i = 0; i < fluxes.size(); ++i) {
+    if (!(fluxes[i] > 0.0)) continue;
+    fluxes[i] *= 0.5 + 0.5 * total / (count * of_group[groups[i]]);
+  }
+}
+
 }  // namespace
 
 void PhotonEmitter::add(Element element, const Luminaire& what) {
@@ -43,8 +60,13 @@ void PhotonEmitter::add(Element element, const Luminaire& what) {
   const double flux =
       std::numbers::pi * emission.radiance * element.area * (what.two_sided() ? 2.0 : 1.0);
   if (!(flux > 0.0)) return;
-  fluxes_.push_back(flux);
+  add(flux, what.light_group);
   elements_.push_back(std::move(element));
+}
+
+void PhotonEmitter::add(double flux, std::uint32_t light_group) {
+  fluxes_.push_back(flux);
+  groups_.push_back(light_group);
 }
 
 void PhotonEmitter::add_triangle(std::uint32_t luminaire, const Luminaire& what,
@@ -76,16 +98,18 @@ void PhotonEmitter::add_sphere(std::uint32_t luminaire, const Luminaire& what, c
   add({luminaire, static_cast<float>(area), {}, sphere, {instance, 0}}, what);
 }
 
-void PhotonEmitter::finish(const LightSampler& lights, Geometry::Ball bounds) {
+void PhotonEmitter::finish(const LightSampler& lights, Geometry::Ball bounds, bool each_group) {
   distant_start_ = DistantStart(lights.important().elements());
-  for (const RaySet& rays : rays_) fluxes_.push_back(rays.mean_flux());
+  for (const RaySet& rays : rays_) add(rays.mean_flux(), rays.light_group);
   const double disc_area = std::numbers::pi * bounds.radius * bounds.radius;
   for (const DistantDisc& disc : lights.discs()) {
-    fluxes_.push_back(disc_area * disc.irradiance(disc.direction(), false));
+    add(disc_area * disc.irradiance(disc.direction(), false), disc.light_group);
   }
   if (lights.environment()) {
-    fluxes_.push_back(disc_area * 4.0 * std::numbers::pi * lights.environment()->mean_radiance());
+    add(disc_area * 4.0 * std::numbers::pi * lights.environment()->mean_radiance(),
+        lights.environment()->light_group);
   }
+  if (each_group) share_among_groups(fluxes_, groups_);
   double total = 0.0;
   for (const double flux : fluxes_) total += flux;
   double sum = 0.0;
@@ -96,6 +120,7 @@ void PhotonEmitter::finish(const LightSampler& lights, Geometry::Ball bounds) {
   }
   if (!cumulative_.empty()) cumulative_.back() = 1.0;
   fluxes_ = {};
+  groups_ = {};
 }
 
 std::optional<PhotonEmitter::Leaving> PhotonEmitter::leave(const LightSamplingContext& from,

@@ -55,8 +55,10 @@ class PhotonEmitter {
                   const Geometry& geometry, std::uint32_t instance = Hit::kNoInstance);
   void add_rays(RaySet rays) { rays_.push_back(std::move(rays)); }
   /// After the last element and set of rays. `bounds` is about as large as what distant light is
-  /// emitted towards.
-  void finish(const LightSampler& lights, Geometry::Ball bounds);
+  /// emitted towards. Photons start in proportion to flux; where `each_group` is told apart, half
+  /// of them in proportion to it within light groups that have as many each, as a dim group would
+  /// get none.
+  void finish(const LightSampler& lights, Geometry::Ball bounds, bool each_group = false);
 
   /// Time in [0, 1]; eight uniform numbers. The part `aimed` of the photons, in [0, 1), is
   /// drawn towards the important shapes of `lights`, and all carry what that changes. `lit` holds
@@ -145,6 +147,7 @@ class PhotonEmitter {
   static EmissionPoint point_on_sphere(const Element& element, const Geometry& geometry, float time,
                                        float u, float v);
   void add(Element element, const Luminaire& what);
+  void add(double flux, std::uint32_t light_group);
 
   template <int N>
   std::optional<Emitted<N>> emit_distant(std::size_t which, std::span<const DistantDisc> discs,
@@ -178,7 +181,9 @@ class PhotonEmitter {
 
   std::vector<Element> elements_;
   std::vector<RaySet> rays_;
-  std::vector<double> fluxes_;      // only while building
+  // Only while building.
+  std::vector<double> fluxes_;
+  std::vector<std::uint32_t> groups_;
   std::vector<double> cumulative_;  // elements, rays, discs, environment
   DistantStart distant_start_;
 };

@@ -278,7 +278,10 @@ PhotonEmitter load_emitter(const LoadContext& context, const std::vector<Luminai
   for (const auto& message : context.message.ray_sets()) {
     emitter.add_rays(load_rays(context, message));
   }
-  emitter.finish(lights, ball_with_film(geometry.bounds(), sensor, {1, 1}));
+  const auto& asked = context.message.sensor().further_responses();
+  const bool each_group = std::ranges::any_of(
+      asked, [](const v1::Response& response) { return response.has_light_group(); });
+  emitter.finish(lights, ball_with_film(geometry.bounds(), sensor, {1, 1}), each_group);
   return emitter;
 }
 
