@@ -201,6 +201,7 @@ class Coordinator:
             "machines": state.fleet.alike,
             "jobs_in_flight": state.scheduler.in_flight,
             "jobs_published": state.scheduler.outstanding,
+            "quick_copies": self.core.window.quick_copies.made,
             "results_waiting": self._dispatcher.results_waiting,
             "result_seconds": self._dispatcher.longest_wait,
             "results_refused": self.core.results.refused,

@@ -49,7 +49,7 @@ class Executor:
             case do.RefreshRenders():
                 self.wants_look = True
             case do.Publish():
-                return self._dispatcher.publish(instruction.jobs)
+                return self._dispatcher.publish(instruction.jobs, instruction.quick)
             case do.Withdraw():
                 self._dispatcher.withdraw(instruction.entries, instruction.stop)
             case do.Acknowledge():

@@ -80,6 +80,18 @@ def photon_ranges_ahead(pixels: int) -> int:
     return max(2, min(32, MAX_PHOTON_BYTES // (_PHOTON_BYTES_PER_PIXEL * pixels)))
 
 
+MAX_QUICK_PHOTONS = 2**16
+"""Of a render whose jobs may have quick copies: 0.07 s of a processor, as the example scenes cost."""
+
+MAX_QUICK_COPIES = 64
+"""That are out at once, and no more than there are workers: each takes one at a time."""
+
+QUICK_CPU_SECONDS = 1.0
+"""Processor time after which a quick copy is stopped."""
+
+QUICK_REFUSED_SECONDS = 60.0
+"""For which the owner of such a render gets no quick copies: a second of one thread in a minute, at most."""
+
 DISTINCT_WORKERS = 3
 """Workers that failed at a job before it is given up: the third says it isn't the worker's fault."""
 

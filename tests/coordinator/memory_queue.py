@@ -8,8 +8,10 @@ from nocturne.v1 import job_pb2
 from nocturne_coordinator.clock import Clock
 from nocturne_coordinator.dispatch.events import Moment
 from nocturne_coordinator.dispatch.liveness import Holder
+from nocturne_coordinator.dispatch.quick_entries import QUICK, is_quick
 from nocturne_coordinator.enrolment import machine_of
 from nocturne_coordinator.errors import QueueError
+from nocturne_coordinator.limits import QUICK_CPU_SECONDS
 from nocturne_coordinator.queue.job_queue import SESSION_SECONDS, Entry, JobQueue, ResultEntry, Session
 
 from tests.coordinator.simulated_worker import Alter, simulated_result, unaltered
@@ -120,13 +122,13 @@ class MemoryQueue(JobQueue):
         if not session.shared and self.session[0] == session.text:
             self.session = b"", 0.0
 
-    def publish(self, jobs: Iterable[bytes]) -> list[bytes]:
+    def publish(self, jobs: Iterable[bytes], quick: bool = False) -> list[bytes]:
         self.check_up()
         entries = []
         for job in jobs:
-            entries.append(self.new_entry())
+            entries.append(QUICK * quick + self.new_entry())
             self.job_stream[entries[-1]] = job
-        self.most = max(self.most, len(self.job_stream))
+        self.most = max(self.most, self.jobs_waiting())
         self._answered()
         return entries
 
@@ -160,7 +162,7 @@ class MemoryQueue(JobQueue):
         return found()
 
     def jobs_waiting(self) -> int:
-        return len(self.job_stream)
+        return sum(not is_quick(entry) for entry in self.job_stream)
 
     def results_waiting(self) -> int:
         return len(self.result_stream)
@@ -187,15 +189,15 @@ class MemoryQueue(JobQueue):
 
     # --- as workers see it ---
 
-    def take(self, worker: str, lease: float) -> tuple[bytes, bytes] | None:
-        """XREADGROUP, then XAUTOCLAIM."""
+    def take(self, worker: str, lease: float, quick: bool = False) -> tuple[bytes, bytes] | None:
+        """XREADGROUP, then XAUTOCLAIM, on one of the streams."""
         for entry, data in self.job_stream.items():
-            if entry not in self.delivered:
+            if entry not in self.delivered and is_quick(entry) == quick:
                 self.delivered.add(entry)
                 self.pending[entry] = Delivery(worker, self._clock.now)
                 return entry, data
         for entry, delivery in list(self.pending.items()):
-            if delivery.renewed < self._clock.now - lease:
+            if delivery.renewed < self._clock.now - lease and is_quick(entry) == quick:
                 if entry not in self.job_stream:
                     del self.pending[entry]
                     continue
@@ -217,6 +219,16 @@ def _place(entry: bytes) -> tuple[int, int]:
     return int(milliseconds), int(number)
 
 
+class _Thread:
+    """One job at a time."""
+
+    def __init__(self, quick: bool) -> None:
+        self.quick = quick
+        """Takes quick copies only."""
+        self.job: tuple[bytes, bytes] | None = None
+        self.done_at = 0.0
+
+
 class Worker:
     """Everything but tracing; see SimulatedWorker, which is this one on a real Redis."""
 
@@ -230,36 +242,46 @@ class Worker:
         lease: float = 1.0,
         dies: Callable[[job_pb2.JobResult], bool] = lambda _: False,
         profile: str = "",
+        quick: bool = True,
     ) -> None:
+        """`quick`: it has the further thread for quick copies."""
         self.name = name
-        self.jobs_done = 0
+        self.jobs_done = self.quick_done = 0
         self._queue, self._clock = queue, clock
         self._alter, self.delay, self._lease, self._dies, self._profile = alter, delay, lease, dies, profile
         self._started = clock.moment().unix
-        self._job: tuple[bytes, bytes] | None = None
-        self._done_at = 0.0
+        self._threads = [_Thread(False), _Thread(True)] if quick else [_Thread(False)]
+        self._is_alive = True
         self.next_at = clock.now
         clock.workers.append(self)
 
+    def seconds_of(self, job: job_pb2.Job) -> float:
+        """That it takes for a job."""
+        del job
+        return self.delay
+
     @property
     def has_job(self) -> bool:
-        return self._job is not None
+        return self._threads[0].job is not None
 
     def die(self) -> None:
         """SIGKILL."""
         self.next_at = float("inf")
+        self._is_alive = False
         self._clock.workers.remove(self)
 
     def stand_still(self, seconds: float) -> None:
         """SIGSTOP, and SIGCONT after that."""
         self.next_at = self._clock.now + seconds
-        self._done_at = max(self._done_at, self.next_at)
+        for thread in self._threads:
+            thread.done_at = max(thread.done_at, self.next_at)
 
     def leave(self) -> None:
-        """SIGTERM: the job is handed back, the status deleted."""
+        """SIGTERM: jobs are handed back, the status deleted."""
         self._queue.statuses.pop(self.name, None)
-        if self._job is not None and self._job[0] in self._queue.pending:
-            self._queue.pending[self._job[0]].renewed = -1.0
+        for thread in self._threads:
+            if thread.job is not None and thread.job[0] in self._queue.pending:
+                self._queue.pending[thread.job[0]].renewed = -1.0
         self.die()
 
     def step(self) -> None:
@@ -275,28 +297,43 @@ class Worker:
             floating_point_profile=self._profile,
         )
         self._queue.statuses[self.name] = status.SerializeToString(), now + STATUS_SECONDS
-        if self._job is None:
+        for thread in self._threads:
+            if self._is_alive:
+                self._step(thread, now)
+
+    def _step(self, thread: _Thread, now: float) -> None:
+        if thread.job is None:
             names = (self.name, machine_of(self.name))
             if any(self._queue.without_jobs.get(name, 0.0) > now for name in names):
                 return
-            self._job = self._queue.take(self.name, self._lease)
-            self._done_at = now + self.delay
-        elif now >= self._done_at:
-            self._finish(*self._job)
-        if self._job is not None:
-            delivery = self._queue.pending.get(self._job[0])
+            thread.job = self._queue.take(self.name, self._lease, thread.quick)
+            if thread.job is not None:
+                takes = self.seconds_of(job_pb2.Job.FromString(thread.job[1]))
+                thread.done_at = now + (min(takes, QUICK_CPU_SECONDS) if thread.quick else takes)
+        elif now >= thread.done_at:
+            self._finish(*thread.job, thread.quick)
+            thread.job = None
+        if thread.job is not None and self._is_alive:
+            delivery = self._queue.pending.get(thread.job[0])
             if delivery is not None and delivery.worker == self.name:
                 delivery.renewed = now
-            self.next_at = min(now + self._lease / 3, max(self._done_at, now + 1e-3))
+            following = min(now + self._lease / 3, max(thread.done_at, now + 1e-3))
+            self.next_at = min(self.next_at, following) if thread.quick else following
 
-    def _finish(self, entry: bytes, data: bytes) -> None:
+    def _finish(self, entry: bytes, data: bytes, quick: bool = False) -> None:
         job = job_pb2.Job.FromString(data)
         result = simulated_result(job, self.name)
         result.floating_point_profile = self._profile
         if self._dies(result):
             self.die()
             return
-        sent = [each if isinstance(each, bytes) else each.SerializeToString() for each in self._alter(result)]
-        self._queue.complete(entry, sent)
-        self._job = None
+        sent: list[job_pb2.JobResult | bytes] = [result]
+        if quick and self.seconds_of(job) > QUICK_CPU_SECONDS:
+            result.failure, result.stopped_too_long = "it was stopped", True
+        else:
+            sent = self._alter(result)
+        self._queue.complete(
+            entry, [each if isinstance(each, bytes) else each.SerializeToString() for each in sent]
+        )
         self.jobs_done += 1
+        self.quick_done += quick

@@ -1,7 +1,7 @@
 """Films of many tiles are taken up in parts, and hold nobody up."""
 
 import pytest
-from nocturne_coordinator.dispatch import admission
+from nocturne_coordinator.dispatch import admission, film, loading
 from nocturne_coordinator.dispatch.records import RenderState
 from nocturne_coordinator.dispatch.state import Settings
 from nocturne_scene.ranges import extended_schedule
@@ -14,7 +14,7 @@ _TILE_SIZE = 32
 
 @pytest.fixture(autouse=True)
 def _small_parts(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(admission, "_TILES_AT_ONCE", 12)
+    monkeypatch.setattr(loading, "TILES_AT_ONCE", 12)
     monkeypatch.setattr(admission, "_REPLAN_PAUSE", 0.05)
 
 
@@ -91,3 +91,17 @@ def test_a_large_film_that_is_extended_again_and_again_is_not_cut_anew_each_time
     # In three seconds there is one.
     assert seen == {13}
     world.check_survived(large, seconds=600.0)
+
+
+def test_a_small_film_is_done_while_a_large_one_is_taken_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing of it is committed yet: its tiles alone are many."""
+    monkeypatch.setattr(film, "QUEUES_AT_ONCE", 1)
+    world = World()
+    world.worker()
+    coordinator = world.start()
+    large = world.create(4, width=_TILES * _TILE_SIZE)
+    coordinator.round()
+    small = world.create(4, owner="other")
+    world.run_until(lambda: world.row(small).state.ended)
+    assert large not in coordinator.core.state.renders
+    world.check_survived(small, large, seconds=300.0)

@@ -1,4 +1,6 @@
-"""The queue of tests in memory does what Redis does: each test here runs on both."""
+"""The queue of tests in memory does what Redis does: each test here runs on both.
+
+Long: the whole contract stands together."""
 
 import time
 from abc import ABC, abstractmethod
@@ -8,6 +10,7 @@ from typing import Any
 import pytest
 import redis
 from nocturne_coordinator.dispatch.liveness import Holder
+from nocturne_coordinator.dispatch.quick_entries import QUICK, is_quick
 from nocturne_coordinator.errors import OwnershipLost, QueueInUse
 from nocturne_coordinator.queue import keys
 from nocturne_coordinator.queue.job_queue import FIRST, SESSION_SECONDS, JobQueue, Session
@@ -30,8 +33,9 @@ class Both(ABC):
     def pass_time(self, seconds: float) -> None: ...
 
     @abstractmethod
-    def take(self, worker: str) -> tuple[bytes, bytes] | None:
-        """As a worker: a new job, or one of which the lease has run out."""
+    def take(self, worker: str, quick: bool = False) -> tuple[bytes, bytes] | None:
+        """As a worker: a new job, or one of which the lease has run out; of quick copies, if it is for
+        those."""
 
     @abstractmethod
     def complete(self, entry: bytes | None, *results: bytes) -> None: ...
@@ -61,8 +65,8 @@ class InMemory(Both):
     def pass_time(self, seconds: float) -> None:
         self._clock.wait(seconds)
 
-    def take(self, worker: str) -> tuple[bytes, bytes] | None:
-        return self.queue.take(worker, LEASE)
+    def take(self, worker: str, quick: bool = False) -> tuple[bytes, bytes] | None:
+        return self.queue.take(worker, LEASE, quick)
 
     def complete(self, entry: bytes | None, *results: bytes) -> None:
         self.queue.complete(entry, results)
@@ -95,16 +99,16 @@ class OnRedis(Both):
     def pass_time(self, seconds: float) -> None:
         time.sleep(seconds)
 
-    def take(self, worker: str) -> tuple[bytes, bytes] | None:
+    def take(self, worker: str, quick: bool = False) -> tuple[bytes, bytes] | None:
         group, consumer = keys.WORKERS_GROUP, f"{worker}/0"
-        found = self._client.xreadgroup(group, consumer, {keys.JOBS: ">"}, count=1)
+        stream, prefix = (keys.QUICK_JOBS, QUICK) if quick else (keys.JOBS, b"")
+        found = self._client.xreadgroup(group, consumer, {stream: ">"}, count=1)
         if found:
             entries = found[0][1]
         else:
-            entries = self._client.xautoclaim(keys.JOBS, group, consumer, int(1000 * LEASE), FIRST, count=1)[
-                1
-            ]
-        return (entries[0][0], entries[0][1][keys.JOB_FIELD]) if entries else None
+            idle = int(1000 * LEASE)
+            entries = self._client.xautoclaim(stream, group, consumer, idle, FIRST, count=1)[1]
+        return (prefix + entries[0][0], entries[0][1][keys.JOB_FIELD]) if entries else None
 
     def complete(self, entry: bytes | None, *results: bytes) -> None:
         pipeline = self._client.pipeline(transaction=True)
@@ -211,6 +215,26 @@ def test_deleted_jobs_are_gone(ready: Both) -> None:
     assert ready.queue.jobs() == [(second, b"b")]
     assert ready.take("w") == (second, b"b")
     assert ready.take("w") is None
+
+
+def test_quick_copies_are_on_a_stream_of_their_own(ready: Both) -> None:
+    """The name of an entry says on which; all else is as of any job."""
+    (job,) = ready.queue.publish([b"a"])
+    first, second = ready.queue.publish([b"a", b"b"], quick=True)
+    assert [is_quick(each) for each in (job, first, second)] == [False, True, True]
+    assert ready.queue.jobs() == [(job, b"a"), (first, b"a"), (second, b"b")]
+    assert ready.queue.jobs_waiting() == 1
+    assert [ready.take("w", quick=True), ready.take("w"), ready.take("w")] == [
+        (first, b"a"),
+        (job, b"a"),
+        None,
+    ]
+    assert set(ready.queue.holders()) == {Holder(job, "w"), Holder(first, "w")}
+    ready.queue.stop_jobs([first])
+    assert ready.is_to_stop(first)
+    assert not ready.is_to_stop(first.removeprefix(QUICK))
+    ready.queue.delete_jobs([first, second, b"1-1"])
+    assert ready.queue.jobs() == [(job, b"a")]
 
 
 def test_a_job_is_given_to_one(ready: Both) -> None:

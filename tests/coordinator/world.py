@@ -108,11 +108,12 @@ class World:
         width: int = 34,
         height: int = 3,
         profile: str = "",
+        owner: str = "",
     ) -> str:
         """A render of two tiles, unless told otherwise; gives its id."""
         render_id = f"r{len(self.store.stored)}"
         schedule = make_schedule(width, height, samples)
-        new = NewRender(render_id, "", SCENE, "{}", width, height, samples, schedule, stop)
+        new = NewRender(render_id, "", SCENE, "{}", width, height, samples, schedule, stop, owner=owner)
         made = self.store.renders.create(replace(new, floating_point_profile=profile))
         # Not at random, so that each run of a test is the same.
         self.store.database.execute("DELETE FROM blob_use WHERE render_id = ?", (made.id,))

@@ -11,6 +11,7 @@ from nocturne.v1 import job_pb2
 from nocturne_coordinator.dispatch import state as core_state
 from nocturne_coordinator.dispatch.audit import Auditor
 from nocturne_coordinator.dispatch.planned_render import PlannedRender
+from nocturne_coordinator.dispatch.quick_entries import QUICK, is_quick
 from nocturne_coordinator.dispatch.range_queue import RangeState
 from nocturne_coordinator.dispatch.records import OpenRender, RenderState, TileRow, Totals
 from nocturne_coordinator.dispatch.result_handler import ResultHandler
@@ -38,6 +39,8 @@ class Work:
         assert len(self.planned.ranges) == ranges
         jobs = [self.planned.job(0, self.planned.ranges[index]) for index in range(ranges)]
         self.results = [simulated_result(job).SerializeToString() for job in jobs]
+        self.stopped = [_stopped(job).SerializeToString() for job in jobs]
+        """Reports of quick copies that were stopped."""
         self.keys = [JobKey("r", 0, index) for index in range(ranges)]
         total = TileSums.zeros(1, 1)
         self.prefixes = [total.encode()]
@@ -85,6 +88,8 @@ class Core:
     merged: int = field(init=False)
     out: frozenset[int] = field(init=False)
     """Ranges that it knows to be published."""
+    quick: frozenset[int] = field(init=False)
+    """Those of which it knows a quick copy, too."""
 
     def __post_init__(self) -> None:
         tile = self.render.film.queues[0]
@@ -92,6 +97,9 @@ class Core:
         object.__setattr__(self, "saved", self.states.count(RangeState.COMMITTED))
         out = frozenset(key.range_index for key in self.scheduler.entries().values())
         object.__setattr__(self, "out", out)
+        entries = self.scheduler.entries().items()
+        quick = frozenset(key.range_index for entry, key in entries if is_quick(entry))
+        object.__setattr__(self, "quick", quick)
 
     @property
     def states(self) -> bytes:
@@ -111,6 +119,15 @@ class Reaction(NamedTuple):
     published: tuple[int, ...] = ()
     withdrawn: tuple[int, ...] = ()
     to_acknowledge: tuple[int, ...] = ()
+    copied: tuple[int, ...] = ()
+    withdrawn_quick: tuple[int, ...] = ()
+
+
+def _stopped(job: job_pb2.Job) -> job_pb2.JobResult:
+    quick = job_pb2.Job()
+    quick.CopyFrom(job)
+    quick.quick = True
+    return job_pb2.JobResult(job=quick, worker_id="w", failure="it was stopped", stopped_too_long=True)
 
 
 class Cores:
@@ -119,7 +136,7 @@ class Cores:
     def __init__(self, work: Work) -> None:
         self._work = work
         self.all: list[Core] = []
-        self._numbers: dict[bytes, int] = {}
+        self._numbers: dict[tuple[bytes, frozenset[int]], int] = {}
         self._known: dict[tuple[object, ...], Reaction] = {}
 
     def start(self, committed: int, found: tuple[int, ...]) -> Reaction:
@@ -152,18 +169,38 @@ class Cores:
             self._known[event] = Reaction(after, published=tuple(key.range_index for key in keys))
         return self._known[event]
 
+    def copy(self, number: int, index: int) -> Reaction:
+        """Publishes a quick copy of a job that is out."""
+        event = ("copy", number, index)
+        if event not in self._known:
+            render, scheduler = self.all[number].copied()
+            scheduler.copied(self._work.keys[index], QUICK + b"%d" % index)
+            self._known[event] = Reaction(self._number(Core(render, scheduler)), copied=(index,))
+        return self._known[event]
+
     def receive(self, number: int, index: int) -> Reaction:
         """Takes a result in."""
-        event = ("receive", number, index)
+        return self._take(number, index, self._work.results[index])
+
+    def stopped(self, number: int, index: int) -> Reaction:
+        """Hears that a quick copy was stopped."""
+        return self._take(number, index, self._work.stopped[index])
+
+    def _take(self, number: int, index: int, data: bytes) -> Reaction:
+        event = ("take", number, index, data)
         if event not in self._known:
             core = self.all[number]
             render, scheduler = core.copied()
             state = core_state.State(core_state.Settings(), scheduler, Auditor(0.0, 0.0), {"r": render})
-            outcome = ResultHandler(state).take(b"%d" % index, self._work.results[index], 1.0, 0.5)
+            outcome = ResultHandler(state).take(b"%d" % index, data, 1.0, 0.5)
+            withdrawn = outcome.withdrawn
             self._known[event] = Reaction(
                 self._number(Core(render, scheduler)),
-                withdrawn=tuple(map(int, outcome.withdrawn)),
+                withdrawn=tuple(int(entry) for entry in withdrawn if not is_quick(entry)),
                 to_acknowledge=tuple(map(int, outcome.to_acknowledge)),
+                withdrawn_quick=tuple(
+                    int(entry.removeprefix(QUICK)) for entry in withdrawn if is_quick(entry)
+                ),
             )
         return self._known[event]
 
@@ -187,7 +224,7 @@ class Cores:
         return self._known[event].number
 
     def _number(self, core: Core) -> int:
-        key = core.states
+        key = core.states, core.quick
         if key not in self._numbers:
             self._work.check(core.render)
             self._numbers[key] = len(self.all)

@@ -1,5 +1,7 @@
 """All states of one tile of two or three ranges, walked breadth first: coordinators, workers, streams.
 
+Long: a step of any kind changes jobs, results and memories together.
+
 The coordinators are the real render, scheduler and result handler; what each of them does in a state is
 worked out once and remembered (`cores.py`), so that a step of the whole costs microseconds. The rest is
 abstract, and allows more than there is: entries of both streams are taken in any order, any worker may take
@@ -18,14 +20,17 @@ import numpy as np
 from tests.faults.cores import Cores, Reaction, WentWrong, Work
 
 # An entry of the job stream, in bits: it is on the stream; each of two coordinators takes it for published by
-# itself; how many workers have it.
+# itself; it is a quick copy; how many workers have it.
 _ON_STREAM = 1
 _KNOWN = (2, 4)
-_WORKER = 8
+_QUICK = 8
+_WORKER = 16
 
-# An entry of the result stream, a digit to the base 3 for each of two coordinators.
+# An entry of the result stream, a digit to the base 3 for each of two coordinators; a word beyond them says
+# that a quick copy was stopped.
 _UNREAD, _HELD, _SETTLED = range(3)
 _DIGIT = (1, 3)
+_STOPPED = 9
 
 CORE, STALE = range(2)
 
@@ -49,13 +54,21 @@ class State(NamedTuple):
     crashes: int
     """That may still happen."""
     takeovers: int
+    copies: int
+    """Quick copies that may still be made."""
 
 
 class Explorer:
     """Walks through all states that can be reached."""
 
     def __init__(
-        self, ranges: int, workers: int, crashes: int, takeovers: int = 0, fenced: bool = True
+        self,
+        ranges: int,
+        workers: int,
+        crashes: int,
+        takeovers: int = 0,
+        fenced: bool = True,
+        copies: int = 0,
     ) -> None:
         """`takeovers`: how often a lease may run out under a living coordinator. Without `fenced`, nobody
         looks at the fence."""
@@ -65,7 +78,7 @@ class Explorer:
         self._shared = takeovers > 0
         nothing: Entries = ((),) * ranges
         first = self.cores.start(0, ()).number
-        self.first = State(first, -1, 0, nothing, nothing, workers, crashes, takeovers)
+        self.first = State(first, -1, 0, nothing, nothing, workers, crashes, takeovers, copies)
 
     def walk(self) -> int:
         """The number of states. WentWrong if one is wrong, or can't come to the end any more."""
@@ -131,6 +144,9 @@ class Explorer:
         reaction = self.cores.publish(number)
         if reaction.published:
             yield self._reacted(state, role, reaction)
+        for index in sorted(core.out - core.quick) if state.copies else ():
+            copied = self.cores.copy(number, index)
+            yield self._reacted(state._replace(copies=state.copies - 1), role, copied)
         for index in range(self.ranges):
             for entry in sorted(set(state.results[index])):
                 if _digit(entry, role) == _UNREAD:
@@ -145,7 +161,8 @@ class Explorer:
             yield state._replace(results=tuple(left))
 
     def _receive(self, state: State, role: int, index: int, entry: int) -> State:
-        reaction = self.cores.receive(_number_of(state, role), index)
+        take = self.cores.stopped if entry >= _STOPPED else self.cores.receive
+        reaction = take(_number_of(state, role), index)
         results = list(state.results)
         held = entry + _HELD * _DIGIT[role]
         results[index] = _changed(results[index], entry, held)
@@ -167,19 +184,22 @@ class Explorer:
 
     def _reacted(self, state: State, role: int, reaction: Reaction) -> State:
         """The state with the core's published and withdrawn jobs, and without those that it has forgotten."""
-        out = self.cores.all[reaction.number].out
+        core = self.cores.all[reaction.number]
         jobs = []
         for index, entries in enumerate(state.jobs):
             after = []
             for entry in entries:
                 known = entry & _KNOWN[role]
-                if known and index in reaction.withdrawn:
+                if known and index in (reaction.withdrawn_quick if entry & _QUICK else reaction.withdrawn):
                     entry &= ~_ON_STREAM
+                out = core.quick if entry & _QUICK else core.out
                 if known and (index not in out or index in reaction.published):
                     entry &= ~known
                 after.append(entry)
             if index in reaction.published:
                 after.append(_ON_STREAM | _KNOWN[role])
+            if index in reaction.copied:
+                after.append(_ON_STREAM | _KNOWN[role] | _QUICK)
             jobs.append(_ordered(after))
         return _put(state, role, reaction.number)._replace(jobs=tuple(jobs))
 
@@ -187,10 +207,14 @@ class Explorer:
         """By one that gives signs of life, from one that does not, or is no more."""
         jobs = [[_roles_moved(entry) for entry in entries] for entries in state.jobs]
         results = tuple(
-            tuple(sorted(_digit(entry, CORE) * _DIGIT[STALE] for entry in entries))
+            tuple(
+                sorted(
+                    entry // _STOPPED * _STOPPED + _digit(entry, CORE) * _DIGIT[STALE] for entry in entries
+                )
+            )
             for entries in state.results
         )
-        found = [sorted({e for e in entries if e & _ON_STREAM}) for entries in jobs]
+        found = [sorted({e for e in entries if e & _ON_STREAM and not e & _QUICK}) for entries in jobs]
         indices = tuple(index for index in range(self.ranges) if found[index])
         start = self.cores.start(state.committed, indices)
         # Of several entries for a range it takes the first on the stream, which may be any.
@@ -246,6 +270,9 @@ def _work(state: State) -> Iterator[State]:
                 results = list(state.results)
                 results[index] = tuple(sorted((*results[index], 0)))
                 yield state._replace(jobs=done, results=tuple(results), idle=state.idle + 1)
+                if entry & _QUICK:
+                    results[index] = tuple(sorted((*state.results[index], _STOPPED)))
+                    yield state._replace(jobs=done, results=tuple(results), idle=state.idle + 1)
 
 
 def _number_of(state: State, role: int) -> int:
@@ -307,7 +334,7 @@ def _entry_changed(jobs: Entries, index: int, before: int, after: int) -> Entrie
 
 def _ordered(entries: Iterable[int]) -> tuple[int, ...]:
     """Without those that are nowhere and known to nobody."""
-    return tuple(sorted(entry for entry in entries if entry))
+    return tuple(sorted(entry for entry in entries if entry & ~_QUICK))
 
 
 def _count_before(finished: list[int], edges_from: "array[int]", edges_to: "array[int]", states: int) -> int:

@@ -41,17 +41,18 @@ def check_nothing_left(service: Service) -> None:
     wait_until(lambda: _waiting(service) == (0, 0, 0))
     with service.server.client() as client:
         lasting = {name.decode() for name in client.scan_iter() if client.ttl(name) == -1}
-    assert lasting <= {keys.JOBS, keys.RESULTS}
+    assert lasting <= {keys.JOBS, keys.QUICK_JOBS, keys.RESULTS}
 
 
 def _waiting(service: Service) -> tuple[int, int, int] | None:
     """Jobs, results and claims; None while the group is being made again."""
     with service.server.client() as client:
+        streams = keys.JOBS, keys.QUICK_JOBS
         try:
-            claims = client.xpending(keys.JOBS, keys.WORKERS_GROUP)["pending"]
+            claims = sum(client.xpending(stream, keys.WORKERS_GROUP)["pending"] for stream in streams)
         except redis.ResponseError:
             return None
-        return client.xlen(keys.JOBS), client.xlen(keys.RESULTS), claims
+        return sum(map(client.xlen, streams)), client.xlen(keys.RESULTS), claims
 
 
 def check_resumes(service: Service, render_id: str, what: str, seconds: float = BOUND_S) -> None:

@@ -15,6 +15,8 @@ from hypothesis.stateful import (
     rule,
     run_state_machine_as_test,
 )
+from nocturne.v1 import job_pb2
+from nocturne_coordinator.dispatch.quick_entries import QUICK
 from nocturne_coordinator.dispatch.records import RenderState
 from nocturne_coordinator.dispatch.state import Settings
 from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions
@@ -46,8 +48,9 @@ class Night(RuleBasedStateMachine):
     @precondition(lambda self: len(self.renders) < MAX_RENDERS)
     @rule(samples=st.integers(1, 300), error=st.sampled_from([0.0, 0.09]))
     def submit(self, samples: int, error: float) -> None:
+        # Of several owners: who waits behind long jobs of another has quick copies.
         stop = StopConditions(tile_relative_error=error) if error else EVERYTHING
-        self.renders.append(self.world.create(samples, stop))
+        self.renders.append(self.world.create(samples, stop, owner=f"owner {len(self.renders)}"))
 
     @rule(seconds=st.sampled_from([0.0, 0.02, 0.1, 0.5, 3.0, 30.0]))
     def time_passes(self, seconds: float) -> None:
@@ -95,6 +98,22 @@ class Night(RuleBasedStateMachine):
     @rule()
     def jobs_are_given_out_again(self) -> None:
         self.world.queue.delivered.clear()
+
+    @rule(keep=st.booleans())
+    def quick_copies_of_all_jobs(self, keep: bool) -> None:
+        """Beyond any need: they come, are done, or vanish as any job."""
+        for coordinator in self.world.coordinators:
+            quick, state = coordinator.core.window.quick_copies, coordinator.core.state
+            for key, published in [*state.scheduler.out(state.renders), *state.auditor.out(state.renders)]:
+                if not published.has_quick and not self.world.queue.is_down:
+                    job = job_pb2.Job.FromString(self.world.queue.job_stream.get(published.entries[0], b""))
+                    job.quick = True
+                    entry = QUICK + self.world.queue.new_entry()
+                    if keep and job.render_id:
+                        self.world.queue.job_stream[entry] = job.SerializeToString()
+                    quick.copied(key, entry, self.world.clock.now)
+        for coordinator in self.world.coordinators:
+            coordinator.core.validate_state()
 
     @rule(part=st.integers(1, 3))
     def jobs_vanish(self, part: int) -> None:

@@ -31,6 +31,23 @@ def test_no_order_of_things_counts_a_range_twice_or_never(
     assert Explorer(ranges, workers, crashes, takeovers).walk() == states
 
 
+@pytest.mark.parametrize(
+    ("ranges", "workers", "crashes", "takeovers", "copies", "states"),
+    [
+        (3, 2, 0, 0, 1, 21_296),
+        pytest.param(3, 2, 0, 0, 2, 335_349, marks=pytest.mark.soak),
+        (2, 1, 1, 0, 2, 11_643),
+        pytest.param(2, 1, 0, 1, 1, 49_729, marks=pytest.mark.soak),
+        pytest.param(2, 2, 1, 0, 1, 62_119, marks=pytest.mark.soak),
+    ],
+)
+def test_nor_where_jobs_have_quick_copies_that_may_be_stopped(
+    ranges: int, workers: int, crashes: int, takeovers: int, copies: int, states: int
+) -> None:
+    """S4: a quick copy is done, or stopped, before its job or after, by anybody."""
+    assert Explorer(ranges, workers, crashes, takeovers, copies=copies).walk() == states
+
+
 def test_without_fences_the_walk_finds_what_they_are_for() -> None:
     with pytest.raises(WentWrong, match="less committed"):
         Explorer(3, 1, 0, takeovers=1, fenced=False).walk()

@@ -188,7 +188,7 @@ class ServiceProcesses:
             ("claims to go", lambda: self.queue.xpending(keys.JOBS, keys.WORKERS_GROUP)["pending"]),
         ):
             wait_for(_is_zero(count), what)
-        known = {keys.JOBS, keys.RESULTS, keys.SESSION}
+        known = {keys.JOBS, keys.QUICK_JOBS, keys.RESULTS, keys.SESSION}
         names = {name.decode() for name in self.queue.keys("*")}
         lapsing = (keys.WORKER_PREFIX, keys.RUN_PREFIX, keys.QUARANTINE_PREFIX, keys.WITHDRAWN_PREFIX)
         assert {name for name in names - known if not name.startswith(lapsing)} == set()

@@ -22,8 +22,9 @@ class JobTracer {
   v1::Partial trace(const v1::Job& job, RunningJob& running);
 
  private:
-  // The coordinator takes turns between running renders; more than two at a time load again.
-  static constexpr std::size_t kScenes = 2;
+  // The coordinator takes turns between running renders, and a quick copy may be of a third; more
+  // at a time load again.
+  static constexpr std::size_t kScenes = 3;
 
   StoppableLoads<std::shared_ptr<const Scene>> scenes_;
 };

@@ -1,11 +1,9 @@
 """Renders that come and go, as the data folder says. Pure."""
 
 from collections import Counter, deque
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from heapq import heapify, heappop, heappush
-from itertools import islice
-from typing import NamedTuple
 
 from nocturne.v1 import job_pb2
 from nocturne_scene.ranges import ranges_planned
@@ -33,8 +31,10 @@ from nocturne_coordinator.dispatch.instructions import (
     Withdraw,
 )
 from nocturne_coordinator.dispatch.job_cost import longest_of
+from nocturne_coordinator.dispatch.loading import Loading, steps_of
 from nocturne_coordinator.dispatch.profiles import should_start_anew, usual_profiles
-from nocturne_coordinator.dispatch.records import OpenRender, RenderState, TileRow
+from nocturne_coordinator.dispatch.range_queue import RangeQueue
+from nocturne_coordinator.dispatch.records import OpenRender, RenderState
 from nocturne_coordinator.dispatch.room import Room, is_at_work, share_of
 from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.state import State
@@ -45,18 +45,8 @@ _ODD_SECONDS = 10.0
 holds as long, so all that are there have been seen."""
 
 
-_TILES_AT_ONCE = 256
-"""That are read before others get their turn: 20 MB."""
-
 _REPLAN_PAUSE = 2e-4
 """Seconds between two other schedules of a render, for each of its tiles: thirty times what one takes."""
-
-
-class _Loading(NamedTuple):
-    """A render that is being taken up, and its tiles that are still to be read."""
-
-    render: RunningRender
-    tiles: Iterator[TileRow]
 
 
 class Admission:
@@ -66,7 +56,7 @@ class Admission:
         self._state = state
         self._commits = commits
         self._room = Room(state.settings.memory_bytes)
-        self._loading: dict[str, _Loading] = {}
+        self._loading: dict[str, Loading] = {}
 
     def follow(self, event: RendersSeen) -> Steps[None]:
         """Takes renders up and lets them go as the folder says; asks for another look if that has to wait."""
@@ -265,12 +255,12 @@ class Admission:
         if row.state is RenderState.QUEUED and not (yield StartRender(row.id, row.fence)):
             return
         tiles = yield ReadTiles(row.id)
-        render = RunningRender(row, (), at.now, self._state.settings.job_seconds)
-        self._loading[row.id] = _Loading(render, iter(tiles))
+        render = RunningRender(row, None, at.now, self._state.settings.job_seconds)
+        self._loading[row.id] = Loading(render, steps_of(render, iter(tiles)))
         yield from self._load(row.id)
 
     def load(self) -> Steps[None]:
-        """Reads some more of the renders that are being taken up: of a large film there are gigabytes, and
+        """Does some more for the renders that are being taken up: of a large film there are gigabytes, and
         nobody waits for all of them."""
         for render_id in list(self._loading):
             try:
@@ -281,11 +271,11 @@ class Admission:
                 yield from self._commits.report(trouble)
 
     def _load(self, render_id: str) -> Steps[None]:
-        render, tiles = self._loading[render_id]
+        render, steps = self._loading[render_id]
         try:
-            if render.load(islice(tiles, _TILES_AT_ONCE)) == _TILES_AT_ONCE:
+            queues = next(steps)
+            if queues is None:
                 return
-            render.loaded()
         except ValueError as error:
             del self._loading[render_id]
             reason = f"Its committed samples can't be read: {error}"
@@ -296,19 +286,19 @@ class Admission:
             yield RefreshRenders()
             raise
         del self._loading[render_id]
-        yield from self._begin(render)
+        yield from self._begin(render, queues)
 
     def _load_no_more(self, render_id: str) -> None:
         render, _ = self._loading.pop(render_id)
         self._state.owed.append(ReleaseLease(render_id, render.row.fence))
 
-    def _begin(self, render: RunningRender) -> Steps[None]:
+    def _begin(self, render: RunningRender, queues: list[RangeQueue]) -> Steps[None]:
         """All that was committed of it is here."""
         row = render.row
         self._state.renders[row.id] = render
         self._state.scheduler.add(
             row.id,
-            render.range_queues(),
+            queues,
             owner=row.owner,
             priority=row.priority,
             owner_weight=row.owner_weight,

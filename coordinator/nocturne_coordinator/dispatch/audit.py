@@ -174,6 +174,29 @@ class Auditor:
             self._open[key].asks += 1
             self._open[key].published = Published([entry], now)
 
+    def copied(self, key: JobKey, entry: bytes) -> None:
+        """An audit that is out is on the stream once more."""
+        if published := self._open[key].published:
+            published.entries.append(entry)
+
+    def stopped_quick(self, key: JobKey) -> list[bytes]:
+        """A quick copy came to no end; gives its entries, the audit itself stays out."""
+        audit = self._open.get(key)
+        return audit.published.without_quick() if audit and audit.published else []
+
+    def out(self, renders: Collection[str]) -> list[tuple[JobKey, Published]]:
+        """The audits of jobs of these renders that are out."""
+        return [
+            (key, audit.published)
+            for key, audit in self._open.items()
+            if audit.published and key.render_id in renders
+        ]
+
+    @property
+    def outstanding(self) -> int:
+        """Audits that are out."""
+        return sum(audit.published is not None for audit in self._open.values())
+
     def returned(self, key: JobKey) -> list[bytes]:
         """The audit is to be asked for again; gives its entries that may still be on the stream."""
         audit = self._open.get(key)
@@ -205,6 +228,10 @@ class Auditor:
             if audit.published
             for entry in audit.published.entries
         }
+
+    def is_out(self, key: JobKey) -> bool:
+        """Whether an audit of that job is on the stream."""
+        return key in self._open and self._open[key].published is not None
 
     def is_open(self, key: JobKey) -> bool:
         return key in self._open

@@ -2,6 +2,7 @@
 
 import math
 from bisect import bisect_left
+from collections.abc import Iterator
 
 import numpy as np
 from nocturne_scene.ranges import PHOTON_BUNDLE, sample_ends
@@ -15,35 +16,53 @@ from nocturne_coordinator.dispatch.planned_render import PlannedRender
 from nocturne_coordinator.dispatch.stopping import EVERYTHING, StopConditions
 from nocturne_coordinator.dispatch.trust import RangeEnd, confirmed, samples_to_stop
 
+QUEUES_AT_ONCE = 4096
+"""That are looked at before others get their turn, where a render is taken up: 15 ms."""
+
 
 class MergedFilm:
     """Sums, and an accumulator for each queue of ranges: those of tiles, which hold views into the sums, and
     after them that of forward photons, if there are any."""
 
-    def __init__(self, render: PlannedRender, stop: StopConditions | None = None) -> None:
+    def __init__(
+        self, render: PlannedRender, stop: StopConditions | None = None, in_steps: bool = False
+    ) -> None:
         """`stop` says which tiles end before the schedule does. ValueError if it does not fit the
-        schedule."""
+        schedule. `in_steps`: `building` follows."""
         grid, schedule = render.grid, render.schedule
         self._own = self._shown = FilmSums.zeros(grid, render.further)
         self.counts: Counts = np.zeros((schedule.height, schedule.width), dtype=np.uint32)
-        tiles, areas = self._own.tiles()
-        self._tile_counts = [self.counts[area] for area in areas]
+        self._tile_counts: list[Counts] = []
         self._shown_samples = 0
         """Pixels times samples of all tiles, as they are shown."""
-        self._pixels = [counts.size for counts in self._tile_counts]
-        self.queues = [Accumulator(tile) for tile in tiles]
+        self._pixels: list[int] = []
+        self.queues: list[Accumulator] = []
         self.forward: ForwardPhotons | None = None
         if render.photon_ranges:
             self.forward = ForwardPhotons(render)
-            self.queues.append(self.forward.merged)
-            self._pixels.append(PHOTON_BUNDLE)
             self._shown = FilmSums.zeros(grid, render.further)
-        self._pixels_of = np.array(self._pixels, dtype=np.float64)
         self._stale: set[int] = set()
         """Tiles of which other sums are shown than there are by now."""
-        self._before = [RangeEnd()] * len(self.queues)
-        self._now = [RangeEnd()] * len(self.queues)
-        self._plan(render, stop or EVERYTHING)
+        self._before = [RangeEnd()] * render.queues
+        self._now = [RangeEnd()] * render.queues
+        self._render, self._stop = render, stop or EVERYTHING
+        if not in_steps:
+            for _ in self.building():
+                pass
+
+    def building(self) -> Iterator[None]:
+        """Makes the queues, in steps, between which others may have their turn."""
+        for index, (tile, area) in enumerate(self._own.tiles()):
+            if index and index % QUEUES_AT_ONCE == 0:
+                yield
+            self._tile_counts.append(self.counts[area])
+            self._pixels.append(self._tile_counts[-1].size)
+            self.queues.append(Accumulator(tile))
+        if self.forward is not None:
+            self.queues.append(self.forward.merged)
+            self._pixels.append(PHOTON_BUNDLE)
+        self._pixels_of = np.array(self._pixels, dtype=np.float64)
+        self._plan(self._render, self._stop)
 
     def _plan(self, render: PlannedRender, stop: StopConditions) -> None:
         self._render, self._stop = render, stop
@@ -94,7 +113,14 @@ class MergedFilm:
 
     def loaded(self) -> None:
         """All that was committed is here."""
+        for _ in self.loading():
+            pass
+
+    def loading(self) -> Iterator[None]:
+        """The same in steps, between which others may have their turn."""
         for index, queue in enumerate(self.queues):
+            if index and index % QUEUES_AT_ONCE == 0:
+                yield
             closed = queue.closed
             queue.closed = closed or (queue.merged > 0 and self._enough(index, queue))
             self._advance(index, not closed)

@@ -1,5 +1,6 @@
 """Sums of a whole film, and views of its tiles. Pure."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Self
 
@@ -41,9 +42,9 @@ class FilmSums:
             self.whole.tile_products[index : index + 1],
         )
 
-    def tiles(self) -> tuple[list[TileSums], list[tuple[slice, slice]]]:
-        """Views of all, and the pixels of each. Of a large film there are 65,536, and nothing else is done
-        meanwhile: no message is made of any."""
+    def tiles(self) -> Iterator[tuple[TileSums, tuple[slice, slice]]]:
+        """Views of all, and the pixels of each. Of a large film there are 65,536: no message is made of
+        any."""
         size, pixels, blocks = self.grid.tile_size, self.whole.pixels, self.whole.block_products
         products = self.whole.tile_products
 
@@ -52,15 +53,12 @@ class FilmSums:
             return [(slice(*each), slice(each[0] // BLOCK, blocks_in(each[1]))) for each in ends]
 
         columns = steps(self.grid.width)
-        views: list[TileSums] = []
-        areas: list[tuple[slice, slice]] = []
+        index = 0
         for y, block_rows in steps(self.grid.height):
             row, row_blocks = pixels[y], blocks[block_rows]
             for x, block_columns in columns:
-                index = len(views)
-                views.append(TileSums(row[:, x], row_blocks[:, block_columns], products[index : index + 1]))
-                areas.append((y, x))
-        return views, areas
+                yield TileSums(row[:, x], row_blocks[:, block_columns], products[index : index + 1]), (y, x)
+                index += 1
 
     def area(self, index: int) -> tuple[slice, slice]:
         """A tile's pixels."""

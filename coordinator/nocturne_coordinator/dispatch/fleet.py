@@ -24,6 +24,8 @@ class Fleet:
         """Workers that are to take no jobs though they are not in quarantine, and why."""
         self.threads = 0
         """Of all workers that take jobs."""
+        self.takers = 0
+        """Workers that take jobs, each with one further thread for quick copies."""
         self.votes_by_profile: Mapping[str, int] = {}
         """Of all that could work, whatever the renders need; owners, where there are several."""
         self.jobs_of_others = 0
@@ -59,9 +61,10 @@ class Fleet:
         self.votes_by_profile = votes_by_profile(workers, self.quarantined)
         found = self._find_incompatible()
         threads: Counter[str] = Counter()
-        for worker in workers:
-            if self._takes_jobs(worker):
-                threads[machine_of(worker.id)] += worker.threads
+        takers = [worker for worker in workers if self._takes_jobs(worker)]
+        self.takers = len(takers)
+        for worker in takers:
+            threads[machine_of(worker.id)] += worker.threads
         # A machine may report any number for its workers.
         self.threads = sum(min(each, MAX_THREADS) for each in threads.values())
         return found

@@ -47,6 +47,8 @@ class Publish(Instruction):
 
     keys: tuple[JobKey, ...]
     jobs: tuple[bytes, ...]
+    quick: bool = False
+    """On the stream of quick copies, whose entries begin with `QUICK`."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -136,7 +136,8 @@ class PlannedRender:
         """The range that the job is for; RejectedResult unless it is, in every field, a job of this render.
 
         But for the floating-point profile, of which the first jobs of a render have none (results tell their
-        own), and the bound on processor time, which follows the render's measured costs.
+        own), the bound on processor time, which follows the render's measured costs, and whether it is a
+        quick copy.
         """
         if job.tile_index >= self.queues:
             raise RejectedResult(f"tile {job.tile_index} of {self.queues}")
@@ -146,6 +147,7 @@ class PlannedRender:
         asked = self.job(job.tile_index, planned)
         asked.floating_point_profile = job.floating_point_profile
         asked.max_cpu_seconds = job.max_cpu_seconds
+        asked.quick = job.quick
         if job != asked:
             raise RejectedResult("tile, scene, film or engine differ from the schedule")
         return planned

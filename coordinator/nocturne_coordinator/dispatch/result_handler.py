@@ -16,7 +16,12 @@ from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.dispatch.scheduler import JobKey
 from nocturne_coordinator.dispatch.state import State
 from nocturne_coordinator.enrolment import machine_of, reason_of, token_of
-from nocturne_coordinator.limits import MAX_FAILED_TILES, MAX_REASON
+from nocturne_coordinator.limits import (
+    MAX_FAILED_TILES,
+    MAX_REASON,
+    QUICK_CPU_SECONDS,
+    QUICK_REFUSED_SECONDS,
+)
 
 _MAX_NAME = 256
 
@@ -124,10 +129,9 @@ class ResultHandler:
             return
         if result.WhichOneof("outcome") == "failure":
             outcome.to_acknowledge.append(entry)
-            if result.stopped_too_long:
-                self._stopped(render, key, worker, result.failure[:MAX_REASON], now, outcome)
-            else:
-                self._fail(render, key, worker, result.failure[:MAX_REASON], now, outcome)
+            stop = self._stopped_quick if result.job.quick else self._stopped
+            fail = stop if result.stopped_too_long else self._fail
+            fail(render, key, worker, result.failure[:MAX_REASON], now, outcome)
             return
         partial = result.partial
         try:
@@ -162,6 +166,18 @@ class ResultHandler:
             self._give_back(key, outcome)
         else:
             self._fail(render, key, worker, reason, now, outcome)
+
+    def _stopped_quick(
+        self, render: RunningRender, key: JobKey, worker: str, _: str, now: float, outcome: Outcome
+    ) -> None:
+        """That says nothing of the range, whose job is out as well; its owner has had a second for it."""
+        state = self._state
+        state.scheduler.charge(render.id, QUICK_CPU_SECONDS)
+        render.gets_quick_copies = False
+        state.no_quick_copies[render.row.owner] = now + QUICK_REFUSED_SECONDS
+        outcome.withdrawn.extend(state.scheduler.stopped_quick(key))
+        outcome.withdrawn.extend(state.auditor.stopped_quick(key))
+        outcome.lines.append(Log(DEBUG, f"{key} took too long for a quick copy at worker={worker}"))
 
     def _merge(
         self,

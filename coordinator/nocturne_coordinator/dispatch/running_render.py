@@ -4,12 +4,19 @@ One file, though long: each result changes film, totals and the next commit toge
 """
 
 from collections import deque
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import cast
 
 from nocturne.v1 import job_pb2
-from nocturne_scene.ranges import FIRST_RANGE, SampleRange, recut_schedule, sample_ends, samples_of
+from nocturne_scene.ranges import (
+    FIRST_RANGE,
+    PHOTON_BUNDLE,
+    SampleRange,
+    recut_schedule,
+    sample_ends,
+    samples_of,
+)
 
 from nocturne_coordinator.dispatch.error_estimate import ErrorEstimate
 from nocturne_coordinator.dispatch.film import MergedFilm
@@ -29,7 +36,7 @@ from nocturne_coordinator.dispatch.records import (
     TileRows,
 )
 from nocturne_coordinator.dispatch.trust import CONFIDENCE, RangeEnd, confirmed, error_warning_of, falls
-from nocturne_coordinator.limits import MAX_LOOKED_AT_PIXELS
+from nocturne_coordinator.limits import MAX_LOOKED_AT_PIXELS, MAX_QUICK_PHOTONS
 
 _RATE_SECONDS = 10.0
 """Over which photons per second are counted: many jobs, yet soon 0 when the workers are gone."""
@@ -44,11 +51,12 @@ class RunningRender:
     def __init__(
         self,
         row: OpenRender,
-        tiles: Iterable[TileRow],
+        tiles: Iterable[TileRow] | None,
         now: float = 0.0,
         job_seconds: float = JOB_SECONDS,
     ) -> None:
-        """Goes on where the committed tiles end, from `now` (any clock, seconds).
+        """Goes on where the committed tiles end, from `now` (any clock, seconds). `tiles`: None where
+        `building` follows, then tiles come by `load`, then `loading`.
 
         ValueError if they do not fit the schedule.
         """
@@ -59,7 +67,7 @@ class RunningRender:
             bytes.fromhex(row.scene_sha256),
             cast("job_pb2.Engine.ValueType", row.engine),
         )
-        self.film = MergedFilm(self.planned, row.stop)
+        self.film = MergedFilm(self.planned, row.stop, in_steps=tiles is None)
         self.totals = row.totals
         self.floating_point_profile = row.floating_point_profile
         """How all its workers round; empty before the first result."""
@@ -70,6 +78,8 @@ class RunningRender:
         """Of the error, at the last preview."""
         self._before = self._now = RangeEnd()
         self._judged_photons = 0
+        self.gets_quick_copies = True
+        """Until one of them takes too long."""
         self.next_preview = 0.0
         self.next_replan = 0.0
         self.next_figures = 0.0
@@ -84,9 +94,11 @@ class RunningRender:
         self._history_photons = 0.0
         self._contributors: dict[int, set[str]] = {}
         self._since = now
-        self._invalid_samples = [0] * len(self.film.queues)
-        self.load(tiles)
-        self.loaded()
+        self._invalid_samples = [0] * self.planned.queues
+        if tiles is not None:
+            self.load(tiles)
+            for _ in self.loading():
+                pass
         self._job_seconds = job_seconds
         self._longest: dict[bool, int] = {}
         """Samples to which ranges of tiles are to be cut, and bundles to which those of forward photons."""
@@ -97,8 +109,12 @@ class RunningRender:
         # The first one sooner: somebody may be waiting to see that it is the right scene.
         self._next_photon_commit = now + photon_commit_seconds(self.planned.pixels) / 4
 
+    def building(self) -> Iterator[None]:
+        """Makes room for its film, in steps, between which others may have their turn."""
+        return self.film.building()
+
     def load(self, tiles: Iterable[TileRow]) -> int:
-        """Puts back committed tiles; `loaded` must follow after the last. ValueError if they do not fit the
+        """Puts back committed tiles; `loading` must follow after the last. ValueError if they do not fit the
         schedule; gives how many there were."""
         count = 0
         for tile in tiles:
@@ -108,9 +124,10 @@ class RunningRender:
             count += 1
         return count
 
-    def loaded(self) -> None:
-        """All that was committed is here."""
-        self.film.loaded()
+    def loading(self) -> Iterator[None]:
+        """All that was committed is here, and is counted, in steps, between which others may have their
+        turn."""
+        yield from self.film.loading()
         for tile_index in self.failed_tiles:
             self.film.give_up(tile_index)
         self.totals.ranges = sum(queue.merged for queue in self.film.queues)
@@ -159,8 +176,10 @@ class RunningRender:
 
     def range_queues(self) -> list[RangeQueue]:
         """Of tiles, and of forward photons, when all that is merged is committed."""
-        found = []
-        # Of a large film there are 65,536 tiles, and others wait meanwhile.
+        return list(self.each_range_queue())
+
+    def each_range_queue(self) -> Iterator[RangeQueue]:
+        """The same one by one: of a large film there are 65,536 tiles, and others wait meanwhile."""
         ranges, photon_index = len(self.planned.ranges), self.planned.photon_index
         for index, queue in enumerate(self.film.queues):
             if index == photon_index:
@@ -172,8 +191,7 @@ class RunningRender:
             if queue.merged:
                 states[: queue.merged] = bytes([RangeState.COMMITTED]) * queue.merged
             turns = self.planned.turns_of(index) if index == photon_index else None
-            found.append(RangeQueue(states, self.film.horizon(index), queue.ahead, turns))
-        return found
+            yield RangeQueue(states, self.film.horizon(index), queue.ahead, turns)
 
     def offer(self, tile_index: int, offered: RangeSums, now: float) -> Offered:
         """Merges a range when its turn has come; see Accumulator.offer."""
@@ -315,6 +333,14 @@ class RunningRender:
         photons = self.planned.photons_in(tile_index, planned)
         known = self.totals.photons > 0 and self.totals.cpu_seconds > 0.0
         return photons * (self.totals.cpu_seconds / self.totals.photons if known else USUAL_COST)
+
+    @property
+    def is_small(self) -> bool:
+        """Whether it is so small that copies of its jobs may go before those of others."""
+        planned, schedule = self.planned, self.planned.schedule
+        photons = planned.pixels * samples_of(schedule) if schedule.range_ends else 0
+        bundles = schedule.photon_range_ends[-1] if schedule.photon_range_ends else 0
+        return (photons + bundles * PHOTON_BUNDLE) * planned.photons_per_sample <= MAX_QUICK_PHOTONS
 
     def max_cpu_seconds(self, planned: SampleRange) -> float:
         """Processor seconds after which a job is stopped."""

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from statistics import median
 from typing import NamedTuple
 
+from nocturne_coordinator.dispatch.quick_entries import is_quick
 from nocturne_coordinator.dispatch.range_queue import (
     IN_FLIGHT,
     FairShare,
@@ -54,6 +55,17 @@ class Published:
 
     entries: list[bytes]
     at: float
+
+    @property
+    def has_quick(self) -> bool:
+        """Whether one of them is a quick copy."""
+        return any(map(is_quick, self.entries))
+
+    def without_quick(self) -> list[bytes]:
+        """Forgets quick copies; gives their entries."""
+        gone = [entry for entry in self.entries if is_quick(entry)]
+        self.entries = [entry for entry in self.entries if not is_quick(entry)]
+        return gone
 
 
 class Scheduler:
@@ -134,6 +146,11 @@ class Scheduler:
     def copied(self, key: JobKey, entry: bytes) -> None:
         """A job that is out is on the stream once more."""
         self._outstanding[key].entries.append(entry)
+
+    def stopped_quick(self, key: JobKey) -> list[bytes]:
+        """A quick copy came to no end; gives its entries, the job itself stays out."""
+        published = self._outstanding.get(key)
+        return published.without_quick() if published else []
 
     def received(self, key: JobKey, now: float) -> list[bytes]:
         """A job's result came and is usable; `completed` follows for its range. Gives copies to
@@ -250,9 +267,13 @@ class Scheduler:
         found = [
             (published.at, key)
             for key, published in self._outstanding.items()
-            if published.at < latest and len(published.entries) == 1
+            if published.at < latest and sum(not is_quick(entry) for entry in published.entries) == 1
         ]
         return [key for _, key in sorted(found)[:count]]
+
+    def out(self, renders: Collection[str]) -> list[tuple[JobKey, Published]]:
+        """The jobs of these renders that are out."""
+        return [each for each in self._outstanding.items() if each[0].render_id in renders]
 
     def overdue(self, now: float) -> list[JobKey]:
         """Jobs out for so long that something must have gone wrong."""

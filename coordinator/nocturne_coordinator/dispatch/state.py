@@ -58,6 +58,8 @@ class State:
     """The last commit failed: no new jobs until one works again, as merged results pile up in Redis."""
     owed: list[ReleaseLease | Quarantine] = field(default_factory=list)
     """Writes to the folder, besides those of sums, that must happen: each stays here until it has worked."""
+    no_quick_copies: dict[str, float] = field(default_factory=dict)
+    """Owners of whom a quick copy took too long, and until when they get none."""
     next_commit: float = 0.0
 
     @classmethod

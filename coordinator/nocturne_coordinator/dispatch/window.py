@@ -20,6 +20,8 @@ from nocturne_coordinator.dispatch.instructions import (
 )
 from nocturne_coordinator.dispatch.liveness import Sign
 from nocturne_coordinator.dispatch.planned_render import RejectedResult
+from nocturne_coordinator.dispatch.quick_copies import QuickCopies
+from nocturne_coordinator.dispatch.quick_entries import is_quick
 from nocturne_coordinator.dispatch.range_queue import RangeState
 from nocturne_coordinator.dispatch.scheduler import JobKey
 from nocturne_coordinator.dispatch.state import State
@@ -41,6 +43,7 @@ class Window:
     def __init__(self, state: State) -> None:
         self._state = state
         self._next_overdue = 0.0
+        self.quick_copies = QuickCopies(state)
 
     @property
     def size(self) -> int:
@@ -55,8 +58,10 @@ class Window:
         for worker, reason in fleet.seen(event.workers).items():
             yield Log(WARNING, f"worker={worker} gets no jobs: {reason}")
         signs = {row.id: Sign(row.started, event.left_ms[row.id]) for row in event.workers}
-        lost = fleet.liveness.look(signs, list(event.holders), state.scheduler.entries())
-        ours = state.scheduler.outstanding + len(state.auditor.entries())
+        entries = state.scheduler.entries()
+        lost = fleet.liveness.look(signs, list(event.holders), entries)
+        self.quick_copies.seen(event.holders, {**state.auditor.entries(), **entries})
+        ours = state.scheduler.outstanding + state.auditor.outstanding
         fleet.jobs_of_others = max(0, event.jobs_waiting - ours)
         state.lost += lost
         state.auditor.look(lambda render: fleet.live(state.renders[render].floating_point_profile))
@@ -77,7 +82,9 @@ class Window:
         unwanted: list[bytes] = []
         for entry, data in event.jobs:
             key = self._key_of(data)
-            if key is not None and scheduler.state_of(key) is RangeState.PLANNED:
+            is_wanted = key is not None and scheduler.state_of(key) is RangeState.PLANNED
+            # A quick copy alone might come to no end.
+            if key is not None and is_wanted and not is_quick(entry):
                 scheduler.published(key, entry, event.at.now)
                 adopted += 1
             elif key is None:
@@ -99,7 +106,8 @@ class Window:
         if self._state.fleet.threads and at.now >= self._next_overdue:
             yield from self._return_overdue(at)
         scheduler, threads = self._state.scheduler, self._state.fleet.threads
-        keys = scheduler.take(min(self.size - scheduler.in_flight, _MAX_PUBLISH), self._not_wanted())
+        quick = self.quick_copies.renders(at.now)
+        keys = self._next_jobs(quick)
         try:
             entries = yield from self._publish(keys)
         except QueueError:
@@ -117,6 +125,23 @@ class Window:
             for key, entry in zip(slow, (yield from self._publish(slow)), strict=True):
                 yield Log(INFO, f"{key} is slow; an idle worker gets it as well")
                 scheduler.copied(key, entry)
+        yield from self._fill_quick(quick, at)
+
+    def _next_jobs(self, quick: list[str]) -> list[JobKey]:
+        """Jobs to publish; of renders that may have quick copies also where the window is full of others'."""
+        scheduler, not_wanted = self._state.scheduler, self._not_wanted()
+        keys = scheduler.take(min(self.size - scheduler.in_flight, _MAX_PUBLISH), not_wanted)
+        room = self.quick_copies.room_ahead(quick) - sum(key.render_id in quick for key in keys)
+        if room > 0:
+            others = self._state.renders.keys() - set(quick)
+            keys += scheduler.take(room, {*not_wanted, *others})
+        return keys
+
+    def _fill_quick(self, renders: list[str], at: Moment) -> Steps[None]:
+        keys = self.quick_copies.wanted(renders, at.now)
+        # Should it fail, no copy is known: it is taken off the stream when Redis answers again.
+        for key, entry in zip(keys, (yield from self._publish(keys, quick=True)), strict=True):
+            self.quick_copies.copied(key, entry, at.now)
 
     def _fill_audits(self, at: Moment) -> Steps[None]:
         auditor = self._state.auditor
@@ -130,10 +155,11 @@ class Window:
         for key, entry in zip(keys, entries, strict=True):
             auditor.published(key, entry, at.now)
 
-    def _publish(self, keys: list[JobKey]) -> Steps[list[bytes]]:
+    def _publish(self, keys: list[JobKey], quick: bool = False) -> Steps[list[bytes]]:
         if not keys:
             return []
-        entries: list[bytes] = yield Publish(tuple(keys), tuple(self._job_bytes(key) for key in keys))
+        jobs = tuple(self._job_bytes(key, quick) for key in keys)
+        entries: list[bytes] = yield Publish(tuple(keys), jobs, quick)
         return entries
 
     def _return_overdue(self, at: Moment) -> Steps[None]:
@@ -183,10 +209,11 @@ class Window:
             return None
         return JobKey(job.render_id, job.tile_index, planned.index) if planned else None
 
-    def _job_bytes(self, key: JobKey) -> bytes:
+    def _job_bytes(self, key: JobKey, quick: bool) -> bytes:
         render = self._state.renders[key.render_id]
         planned = render.planned.ranges_of(key.tile_index)[key.range_index]
         job = render.planned.job(key.tile_index, planned)
         job.floating_point_profile = render.floating_point_profile
-        job.max_cpu_seconds = render.max_cpu_seconds(planned)
+        job.max_cpu_seconds = limits.QUICK_CPU_SECONDS if quick else render.max_cpu_seconds(planned)
+        job.quick = quick
         return job.SerializeToString()

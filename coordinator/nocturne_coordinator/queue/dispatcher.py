@@ -74,9 +74,9 @@ class Dispatcher:
 
     # --- instructions ---
 
-    def publish(self, jobs: tuple[bytes, ...]) -> list[bytes]:
-        """Puts jobs on the stream at once; QueueError."""
-        return self._queue.publish(jobs)
+    def publish(self, jobs: tuple[bytes, ...], quick: bool = False) -> list[bytes]:
+        """Puts jobs on the stream at once, or on that of quick copies; QueueError."""
+        return self._queue.publish(jobs, quick)
 
     def tell_workers(self, reasons: Mapping[str, str]) -> None:
         """That they get no jobs, from the next round on, and why."""

@@ -56,8 +56,9 @@ class Guard:
 def _rules(machine: str, password: str) -> list[str]:
     """The rights of a machine: take jobs, add results, report its workers' state, receive stop requests."""
     nothing = ("resetkeys", "resetchannels", "-@all")
+    jobs = f"~{keys.JOBS} ~{keys.QUICK_JOBS}"
     parts = (
-        f"~{keys.JOBS} resetchannels -@all +xreadgroup +xautoclaim +xclaim +xpending +xack +xdel",
+        f"{jobs} resetchannels -@all +xreadgroup +xautoclaim +xclaim +xpending +xack +xdel",
         f"%W~{keys.RESULTS} resetchannels -@all +xadd",
         f"%R~{keys.QUARANTINE_PREFIX}* %R~{keys.WITHDRAWN_PREFIX}* resetchannels -@all +mget",
         f"%W~{keys.WORKER_PREFIX}{machine}/* resetchannels -@all +set +del",

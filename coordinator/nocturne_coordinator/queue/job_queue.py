@@ -7,13 +7,14 @@ import os
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from functools import wraps
-from typing import Any, NamedTuple, ParamSpec, TypeVar, cast
+from typing import Any, NamedTuple, ParamSpec, TypeVar
 
 import redis
 from redis.backoff import NoBackoff
 from redis.retry import Retry
 
 from nocturne_coordinator.dispatch.liveness import Holder
+from nocturne_coordinator.dispatch.quick_entries import QUICK, is_quick
 from nocturne_coordinator.errors import OwnershipLost, QueueError, QueueInUse, UnusableQueue
 from nocturne_coordinator.queue import keys
 from nocturne_coordinator.queue.guard import Guard
@@ -59,6 +60,9 @@ _READ_BYTES = 2**18
 
 # Entries named in one XDEL, jobs listed by one XRANGE.
 _CHUNK = 500
+
+_STREAMS, _PREFIXES = (keys.JOBS, keys.QUICK_JOBS), (b"", QUICK)
+"""Of jobs, and what the names of their entries begin with here."""
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")
@@ -160,12 +164,13 @@ class JobQueue:
         later one of the same folder has it.
         """
         ours = self._renew(session)
-        try:
-            # From the first entry on: when the group was lost, all on the stream is to be given out again.
-            self._client.xgroup_create(keys.JOBS, keys.WORKERS_GROUP, id=FIRST, mkstream=True)
-        except redis.ResponseError as error:
-            if not str(error).startswith("BUSYGROUP"):
-                raise
+        for stream in _STREAMS:
+            try:
+                # From the first entry on: when the group was lost, all there is to be given out again.
+                self._client.xgroup_create(stream, keys.WORKERS_GROUP, id=FIRST, mkstream=True)
+            except redis.ResponseError as error:
+                if not str(error).startswith("BUSYGROUP"):
+                    raise
         return ours
 
     def _renew(self, session: Session) -> bool:
@@ -210,28 +215,31 @@ class JobQueue:
                 pipeline.execute()
 
     @_queue_errors
-    def publish(self, jobs: Iterable[bytes]) -> list[bytes]:
-        """Adds jobs; gives their entries."""
+    def publish(self, jobs: Iterable[bytes], quick: bool = False) -> list[bytes]:
+        """Adds jobs, `quick`: to the stream of quick copies; gives their entries."""
+        stream, prefix = _STREAMS[quick], _PREFIXES[quick]
         pipeline = self._client.pipeline(transaction=False)
         for job in jobs:
             lease = {keys.LEASE_FIELD: self.guard.lease(job)} if self.guard else {}
-            pipeline.xadd(keys.JOBS, {keys.JOB_FIELD: job, **lease})
-        return cast(list[bytes], pipeline.execute())
+            pipeline.xadd(stream, {keys.JOB_FIELD: job, **lease})
+        return [prefix + entry for entry in pipeline.execute()]
 
     @_queue_errors
     def jobs(self) -> list[Entry]:
-        """All jobs on the stream: waiting or being worked on."""
+        """All jobs on both streams: waiting or being worked on."""
         found: list[Entry] = []
-        start = FIRST
-        while batch := self._client.xrange(keys.JOBS, min=start, count=_CHUNK):
-            found.extend(_entry(entry, fields, keys.JOB_FIELD) for entry, fields in batch)
-            start = b"(" + batch[-1][0]
+        for stream, prefix in zip(_STREAMS, _PREFIXES, strict=True):
+            start = FIRST
+            while batch := self._client.xrange(stream, min=start, count=_CHUNK):
+                found.extend(_entry(prefix + entry, fields, keys.JOB_FIELD) for entry, fields in batch)
+                start = b"(" + batch[-1][0]
         return found
 
     @_queue_errors
     def delete_jobs(self, entries: list[bytes]) -> None:
         """Takes jobs off the stream; who works on one may finish it."""
-        self._delete(keys.JOBS, entries)
+        self._delete(keys.JOBS, [entry for entry in entries if not is_quick(entry)])
+        self._delete(keys.QUICK_JOBS, [entry.removeprefix(QUICK) for entry in entries if is_quick(entry)])
 
     @_queue_errors
     def stop_jobs(self, entries: list[bytes]) -> None:
@@ -253,7 +261,7 @@ class JobQueue:
 
     @_queue_errors
     def jobs_waiting(self) -> int:
-        """Jobs on the stream, those that somebody works on included."""
+        """Jobs on the stream, those that somebody works on included; no quick copies."""
         return int(self._client.xlen(keys.JOBS))
 
     @_queue_errors
@@ -290,10 +298,13 @@ class JobQueue:
     def holders(self) -> list[Holder]:
         """Who works on what."""
         found: list[Holder] = []
-        start = b"-"
-        while batch := self._client.xpending_range(keys.JOBS, keys.WORKERS_GROUP, start, b"+", _CHUNK):
-            found.extend(Holder(each["message_id"], _worker_of(each["consumer"])) for each in batch)
-            start = b"(" + batch[-1]["message_id"]
+        for stream, prefix in zip(_STREAMS, _PREFIXES, strict=True):
+            start = b"-"
+            while batch := self._client.xpending_range(stream, keys.WORKERS_GROUP, start, b"+", _CHUNK):
+                found.extend(
+                    Holder(prefix + each["message_id"], _worker_of(each["consumer"])) for each in batch
+                )
+                start = b"(" + batch[-1]["message_id"]
         return found
 
     @_queue_errors

@@ -5,11 +5,15 @@ PREFIX = "nocturne:"
 JOBS = PREFIX + "jobs"
 """Stream; each entry has one field JOB_FIELD, a serialised Job."""
 
+QUICK_JOBS = PREFIX + "quick"
+"""Stream of quick copies, which one further thread of each worker takes; as JOBS. The coordinator calls its
+entries `quick:<entry>`."""
+
 RESULTS = PREFIX + "results"
 """Stream; each entry has one field RESULT_FIELD, a serialised JobResult."""
 
 WORKERS_GROUP = "workers"
-"""Consumer group of JOBS; a consumer is `<worker id>/<thread>`."""
+"""Consumer group of JOBS and of QUICK_JOBS; a consumer is `<worker id>/<thread>`."""
 
 SESSION = PREFIX + "session"
 """String `<data folder>:<epoch>` with a time to live: the lease of a folder's coordinators on this Redis. Of
@@ -26,8 +30,8 @@ QUARANTINE_PREFIX = PREFIX + "quarantine:"
 """Strings `nocturne:quarantine:<worker id>`, the reason, with a time to live: that worker takes no jobs."""
 
 WITHDRAWN_PREFIX = PREFIX + "withdrawn:"
-"""Strings `nocturne:withdrawn:<entry of JOBS>`, empty, with a time to live: nobody needs that job any more,
-and who works on it stops."""
+"""Strings `nocturne:withdrawn:<entry of JOBS>`, or `nocturne:withdrawn:quick:<entry of QUICK_JOBS>`, empty,
+with a time to live: nobody needs that job any more, and who works on it stops."""
 
 JOB_FIELD = b"job"
 RESULT_FIELD = b"result"

@@ -71,7 +71,9 @@ void RedisServer::kill() {
 }
 
 void RedisServer::make_group() {
-  run({"XGROUP", "CREATE", keys::kJobs, keys::kGroup, "0", "MKSTREAM"});
+  for (const std::string& stream : {keys::kJobs, keys::kQuickJobs}) {
+    run({"XGROUP", "CREATE", stream, keys::kGroup, "0", "MKSTREAM"});
+  }
 }
 
 std::string RedisServer::publish(const v1::Job& job) {

@@ -56,6 +56,11 @@ class WorkerTest : public testing::Test {
     return eventually([&] { return server_.results().size() >= count; });
   }
 
+  std::string publish_quick(const v1::Job& job) {
+    return std::string(
+        server_.run({"XADD", "nocturne:quick", "*", "job", job.SerializeAsString()}).text());
+  }
+
   v1::JobResult only_result() {
     EXPECT_TRUE(results_reach(1));
     const auto results = server_.results();
@@ -337,6 +342,59 @@ TEST_F(WorkerTest, JobBeyondItsProcessorTimeIsAFailureThatSaysSo) {
   server_.publish(job);
   EXPECT_EQ(only_result().failure(),
             "it was stopped after 0.25 s of processor time, far more than its samples should take");
+}
+
+TEST_F(WorkerTest, QuickCopyIsDoneWhileLongJobsHoldAllThreads) {
+  std::atomic<int> quick = 0;
+  Worker worker(options("w", 2), [&](const v1::Job& job, RunningJob& running) {
+    running.begin_tracing();
+    if (job.tile_index() >= 2) {
+      ++quick;
+      return some_partial();
+    }
+    while (!running.stop_token().stop_requested()) std::this_thread::sleep_for(milliseconds(10));
+    throw std::runtime_error("stopped");
+  });
+  // Two that have no end hold the threads, and a third waits behind them.
+  for (const std::uint32_t tile : {0U, 1U, 2U}) server_.publish(make_job(tile));
+  EXPECT_TRUE(eventually([&] { return server_.pending() == 2U; }));
+  publish_quick(make_job(3));
+  EXPECT_EQ(only_result().job().tile_index(), 3U);
+  EXPECT_EQ(quick, 1);
+  EXPECT_EQ(server_.run({"XLEN", "nocturne:quick"}).integer(), 0);
+  EXPECT_TRUE(worker.stop(milliseconds(1500)));
+}
+
+TEST_F(WorkerTest, QuickCopyIsStoppedWhileItsSceneLoadsTooLong) {
+  Worker worker(options("w"), [&](const v1::Job&, RunningJob& running) -> v1::Partial {
+    while (!running.stop_token().stop_requested()) std::this_thread::sleep_for(milliseconds(10));
+    throw std::runtime_error("stopped");
+  });
+  publish_quick(make_job(0));
+  EXPECT_TRUE(only_result().stopped_too_long());
+}
+
+TEST_F(WorkerTest, QuickCopyIsWithdrawnHandedBackAndTakenOver) {
+  std::atomic<int> begun = 0;
+  const TraceJob endless = [&](const v1::Job&, RunningJob& running) -> v1::Partial {
+    ++begun;
+    running.begin_tracing();
+    while (!running.stop_token().stop_requested()) std::this_thread::sleep_for(milliseconds(10));
+    throw std::runtime_error("stopped");
+  };
+  Worker first(options("first"), endless);
+  const std::string entry = publish_quick(make_job(0));
+  EXPECT_TRUE(eventually([&] { return begun == 1; }));
+  EXPECT_TRUE(first.stop(milliseconds(1500)));
+  Worker second(options("second"), endless);
+  EXPECT_TRUE(eventually([&] { return begun == 2; }));
+  // That of the same entry of the other stream is another job.
+  server_.run({"SET", "nocturne:withdrawn:" + entry, ""});
+  std::this_thread::sleep_for(milliseconds(1000));
+  EXPECT_EQ(server_.run({"XLEN", "nocturne:quick"}).integer(), 1);
+  server_.run({"SET", "nocturne:withdrawn:quick:" + entry, ""});
+  EXPECT_TRUE(eventually([&] { return server_.run({"XLEN", "nocturne:quick"}).integer() == 0; }));
+  EXPECT_TRUE(server_.results().empty());
 }
 
 TEST_F(WorkerTest, JobThatOutlastsTheGraceIsStoppedAndHandedBack) {

@@ -3,12 +3,15 @@
 
 #include <string>
 
+#include "queue/keys.h"
+
 namespace nocturne {
 
-/// An entry of the job stream, delivered to one consumer of the group.
+/// An entry of a stream of jobs, delivered to one consumer of the group.
 struct HeldJob {
   std::string consumer;
   std::string entry_id;
+  std::string stream = keys::kJobs;
 
   friend bool operator==(const HeldJob&, const HeldJob&) = default;
 };

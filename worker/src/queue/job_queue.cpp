@@ -27,11 +27,12 @@ std::optional<std::string> field(const Reply& pairs, const std::string& name) {
 }  // namespace
 
 JobQueue::JobQueue(RedisAddress address, std::string consumer, milliseconds lease,
-                   Identity identity)
+                   Identity identity, std::string stream)
     : connection_(std::move(address)),
       consumer_(std::move(consumer)),
       lease_(lease),
-      identity_(std::move(identity)) {}
+      identity_(std::move(identity)),
+      stream_(std::move(stream)) {}
 
 std::optional<TakenJob> JobQueue::take() {
   const auto now = std::chrono::steady_clock::now();
@@ -46,7 +47,7 @@ std::optional<TakenJob> JobQueue::take() {
 std::optional<TakenJob> JobQueue::take_new() {
   const Reply streams =
       connection_.command({"XREADGROUP", "GROUP", keys::kGroup, consumer_, "COUNT", "1", "BLOCK",
-                           number(kBlock), "STREAMS", keys::kJobs, ">"});
+                           number(kBlock), "STREAMS", stream_, ">"});
   if (streams.is_nil() || streams.size() == 0) return std::nullopt;
   const Reply entries = streams.at(0).at(1);
   if (entries.size() == 0) return std::nullopt;
@@ -55,7 +56,7 @@ std::optional<TakenJob> JobQueue::take_new() {
 
 std::optional<TakenJob> JobQueue::take_over() {
   for (int call = 0; call < kTakeOverCalls; ++call) {
-    const Reply reply = connection_.command({"XAUTOCLAIM", keys::kJobs, keys::kGroup, consumer_,
+    const Reply reply = connection_.command({"XAUTOCLAIM", stream_, keys::kGroup, consumer_,
                                              number(lease_), take_over_cursor_, "COUNT", "1"});
     take_over_cursor_ = reply.at(0).text();
     const Reply entries = reply.at(1);
@@ -75,15 +76,15 @@ std::optional<TakenJob> JobQueue::read_entry(const Reply& entry) {
     return taken;
   }
   log_line(LogLevel::kWarning, "consumer=" + consumer_ + " dropped entry " + taken.entry_id +
-                                   " of " + keys::kJobs + ": its field '" + keys::kJobField +
+                                   " of " + stream_ + ": its field '" + keys::kJobField +
                                    "' is not a job");
   drop(taken.entry_id);
   return std::nullopt;
 }
 
 void JobQueue::drop(const std::string& entry_id) {
-  connection_.command({"XACK", keys::kJobs, keys::kGroup, entry_id});
-  connection_.command({"XDEL", keys::kJobs, entry_id});
+  connection_.command({"XACK", stream_, keys::kGroup, entry_id});
+  connection_.command({"XDEL", stream_, entry_id});
 }
 
 void JobQueue::complete(const std::string& entry_id, const v1::JobResult& result,
@@ -97,8 +98,8 @@ void JobQueue::complete(const std::string& entry_id, const v1::JobResult& result
   const std::vector<Reply> replies =
       connection_.pipeline({{"MULTI"},
                             add,
-                            {"XACK", keys::kJobs, keys::kGroup, entry_id},
-                            {"XDEL", keys::kJobs, entry_id},
+                            {"XACK", stream_, keys::kGroup, entry_id},
+                            {"XDEL", stream_, entry_id},
                             {"EXEC"}});
   // In order, so that the reason (-OOM of the XADD) comes before its consequence (-EXECABORT).
   for (const Reply& reply : replies) reply.throw_if_error();
@@ -116,7 +117,7 @@ void JobQueue::set_idle(const std::vector<HeldJob>& jobs, milliseconds idle) {
   std::vector<RedisCommand> questions;
   for (const HeldJob& job : jobs) {
     questions.push_back(
-        {"XPENDING", keys::kJobs, keys::kGroup, job.entry_id, job.entry_id, "1", job.consumer});
+        {"XPENDING", job.stream, keys::kGroup, job.entry_id, job.entry_id, "1", job.consumer});
   }
   const std::vector<Reply> answers = connection_.pipeline(questions);
   std::vector<RedisCommand> claims;
@@ -124,8 +125,8 @@ void JobQueue::set_idle(const std::vector<HeldJob>& jobs, milliseconds idle) {
     // XCLAIM takes from anybody: a job that was taken over meanwhile stays where it is. Errors
     // (group wiped) mean the same: nothing to extend.
     if (answers[i].is_error() || answers[i].size() == 0) continue;
-    claims.push_back({"XCLAIM", keys::kJobs, keys::kGroup, jobs[i].consumer, "0", jobs[i].entry_id,
-                      "IDLE", number(idle), "JUSTID"});
+    claims.push_back({"XCLAIM", jobs[i].stream, keys::kGroup, jobs[i].consumer, "0",
+                      jobs[i].entry_id, "IDLE", number(idle), "JUSTID"});
   }
   connection_.pipeline(claims);
 }
@@ -133,7 +134,7 @@ void JobQueue::set_idle(const std::vector<HeldJob>& jobs, milliseconds idle) {
 std::vector<HeldJob> JobQueue::withdrawn(const std::vector<HeldJob>& jobs) {
   if (jobs.empty()) return {};
   RedisCommand question{"MGET"};
-  for (const HeldJob& job : jobs) question.push_back(keys::withdrawn(job.entry_id));
+  for (const HeldJob& job : jobs) question.push_back(keys::withdrawn(job.stream, job.entry_id));
   const Reply marks = connection_.command(question);
   std::vector<HeldJob> found;
   for (std::size_t i = 0; i < jobs.size(); ++i) {

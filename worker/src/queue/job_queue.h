@@ -30,8 +30,9 @@ class JobQueue {
   static constexpr std::chrono::milliseconds kTakeOverInterval{1000};
 
   /// `lease`: a job that nobody extended for so long is taken over by another consumer.
+  /// `stream`: where jobs are taken from.
   JobQueue(RedisAddress address, std::string consumer, std::chrono::milliseconds lease,
-           Identity identity = {});
+           Identity identity = {}, std::string stream = keys::kJobs);
 
   /// The next job: one whose lease ran out, else a new one; waits for about a second.
   /// Entries that are no job are dropped with a log line.
@@ -67,7 +68,8 @@ class JobQueue {
   /// The worker has gone.
   void withdraw_status(const std::string& worker_id);
 
-  const std::string& consumer() const { return consumer_; }
+  /// An entry that this took.
+  HeldJob held(const std::string& entry_id) const { return {consumer_, entry_id, stream_}; }
 
   /// Forgets the connection; the next call makes a new one.
   void disconnect() { connection_.disconnect(); }
@@ -82,6 +84,7 @@ class JobQueue {
   std::string consumer_;
   std::chrono::milliseconds lease_;
   Identity identity_;
+  std::string stream_;
   std::chrono::steady_clock::time_point next_take_over_;
   // Where the search for jobs with an outrun lease goes on.
   std::string take_over_cursor_ = "0-0";

@@ -11,6 +11,9 @@ inline const std::string kJobs = "nocturne:jobs";
 inline const std::string kGroup = "workers";
 inline const std::string kJobField = "job";
 
+/// The same for copies of jobs of small renders, which one further thread of each worker does.
+inline const std::string kQuickJobs = "nocturne:quick";
+
 /// Stream of results; one field kResultField with a serialised v1::JobResult.
 inline const std::string kResults = "nocturne:results";
 inline const std::string kResultField = "result";
@@ -29,8 +32,8 @@ inline std::string quarantine(const std::string& worker_id) {
 }
 
 /// Says that nobody needs the job of this entry any more, with a time to live.
-inline std::string withdrawn(const std::string& entry_id) {
-  return "nocturne:withdrawn:" + entry_id;
+inline std::string withdrawn(const std::string& stream, const std::string& entry_id) {
+  return (stream == kQuickJobs ? "nocturne:withdrawn:quick:" : "nocturne:withdrawn:") + entry_id;
 }
 
 /// Name of one thread of a worker in the consumer group.

@@ -7,6 +7,9 @@
 namespace nocturne {
 namespace {
 
+// For a quick copy to load its scene, else it is left to the other threads, which have time.
+constexpr std::chrono::seconds kQuickLoad{2};
+
 double seconds_of(clockid_t clock) {
   timespec time{};
   clock_gettime(clock, &time);
@@ -38,6 +41,9 @@ void RunningJob::stop(StopReason reason) {
 
 bool RunningJob::is_too_long() const {
   const double begun = begun_;
+  if (begun < 0.0 && held_.stream == keys::kQuickJobs) {
+    return std::chrono::steady_clock::now() - taken_ > kQuickLoad;
+  }
   return max_cpu_seconds_ > 0.0 && begun >= 0.0 && seconds_of(clock_) - begun > max_cpu_seconds_;
 }
 

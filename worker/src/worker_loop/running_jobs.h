@@ -4,6 +4,7 @@
 #include <time.h>
 
 #include <atomic>
+#include <chrono>
 #include <mutex>
 #include <stop_token>
 #include <vector>
@@ -33,6 +34,7 @@ class RunningJob {
   RunningJob& operator=(const RunningJob&) = delete;
 
   /// Processor time counts from here on; before, the scene is loaded. By the thread of the job.
+  /// A quick copy must come here within seconds.
   void begin_tracing();
 
   /// For the tracer.
@@ -49,6 +51,7 @@ class RunningJob {
   RunningJobs& all_;
   const HeldJob held_;
   const double max_cpu_seconds_;
+  const std::chrono::steady_clock::time_point taken_ = std::chrono::steady_clock::now();
   clockid_t clock_{};
   // Of the thread's processor time; negative: not yet.
   std::atomic<double> begun_ = -1.0;

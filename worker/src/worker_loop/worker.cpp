@@ -18,11 +18,12 @@ constexpr std::chrono::milliseconds kToStop{500};
 Worker::Worker(WorkerOptions options, TraceJob trace)
     : options_(std::move(options)),
       trace_(std::move(trace)),
-      tally_(options_.threads),
-      running_(options_.threads) {
+      tally_(options_.threads + 1),
+      running_(options_.threads + 1) {
   heartbeat_ =
       std::jthread([this](std::stop_token stop) { Heartbeat(options_, jobs_, tally_).run(stop); });
-  for (unsigned index = 0; index < options_.threads; ++index) {
+  // One further for quick copies: short jobs of others than those whose long ones hold the rest.
+  for (unsigned index = 0; index <= options_.threads; ++index) {
     threads_.emplace_back([this, index](std::stop_token stop) { run_thread(index, stop); });
   }
 }

@@ -69,7 +69,8 @@ WorkerThread::WorkerThread(const WorkerOptions& options, unsigned index, const T
       trace_(trace),
       jobs_(jobs),
       tally_(tally),
-      queue_(options.redis, keys::consumer(options.id, index), options.lease, options.identity) {}
+      queue_(options.redis, keys::consumer(options.id, index), options.lease, options.identity,
+             index < options.threads ? keys::kJobs : keys::kQuickJobs) {}
 
 void WorkerThread::run(std::stop_token stop) {
   while (!stop.stop_requested()) {
@@ -109,7 +110,7 @@ void WorkerThread::step(std::stop_token stop) {
 void WorkerThread::work(const TakenJob& taken, std::stop_token stop) {
   if (stop.stop_requested()) return give_back(taken);
   std::optional<RunningJob> running;
-  running.emplace(jobs_, HeldJob{queue_.consumer(), taken.entry_id}, taken.job.max_cpu_seconds());
+  running.emplace(jobs_, queue_.held(taken.entry_id), taken.job.max_cpu_seconds());
   const auto start = Clock::now();
   const std::optional<v1::JobResult> result = result_of(taken.job, *running);
   if (!result) {
@@ -175,7 +176,7 @@ void WorkerThread::deliver(const TakenJob& taken, const v1::JobResult& result,
 }
 
 void WorkerThread::give_back(const TakenJob& taken) {
-  queue_.hand_back({{queue_.consumer(), taken.entry_id}});
+  queue_.hand_back({queue_.held(taken.entry_id)});
 }
 
 void WorkerThread::report_trouble(const std::string& text) {

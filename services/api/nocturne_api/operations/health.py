@@ -25,6 +25,7 @@ _METERS = {
     "job_seconds": "Median time from publishing a job to its result.",
 }
 _COUNTS = {
+    "quick_copies": "Jobs of small renders put on the stream of quick copies, since the coordinator started.",
     "results_refused": "Results that could not be right, since the coordinator started.",
     "audits_agreed": "Jobs traced twice with the same result, since the coordinator started.",
     "audits_differing": "Jobs traced twice with different results, since the coordinator started.",
