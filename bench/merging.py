@@ -47,7 +47,7 @@ class InstantQueue(JobQueue):
         return known
 
     def publish(self, jobs: Iterable[bytes], quick: bool = False) -> list[bytes]:
-        assert not quick
+        del quick
         began = time.process_time()
         entries = []
         for job in jobs:
