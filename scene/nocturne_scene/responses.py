@@ -77,7 +77,10 @@ def light_groups_in(names: Sequence[str]) -> list[str]:
 def name_problems(names: Sequence[str]) -> Iterator[str]:
     """Problems of the names of a sensor's further responses, in words."""
     if len(names) > MAX_FURTHER_RESPONSES:
-        yield f"{len(names)} further responses; at most {MAX_FURTHER_RESPONSES}"
+        yield (
+            f"its sensor has {len(names)} further responses, those of `bands`, `colour` and light groups "
+            f"included; expected at most {MAX_FURTHER_RESPONSES}"
+        )
     for index, name in enumerate(names):
         if name in names[:index]:
             yield f"two responses are named {name!r}"

@@ -173,6 +173,10 @@ def _put_light_groups(draft: Draft, document: Document) -> None:
     if document["sensor"].get("stokes"):
         # Of a group's light nobody knows how it is polarised.
         return
+    if document["sensor"].get("colour"):
+        # Which has most of the responses that a sensor may have.
+        for field in ("bands", "responses", "named_responses"):
+            document["sensor"].pop(field, None)
     sky = document.get("environment")
     for light in (*_luminaires(draft, document), *([sky] if sky else []), *document.get("distant", [])):
         if draft.chance.maybe(0.7):
