@@ -95,13 +95,13 @@ UNDONE = {
     20: "DROP TRIGGER work_is_counted; DROP TRIGGER end_is_counted; DROP TABLE counted",
     21: """DROP TRIGGER webhook_of_unreachable_target;
         ALTER TABLE render RENAME COLUMN error_warning TO doubt;
-        ALTER TABLE render RENAME COLUMN target_unreachable TO target_unreachable;
+        ALTER TABLE render RENAME COLUMN target_unreachable TO out_of_reach;
         ALTER TABLE render RENAME COLUMN unreachable_reported TO out_of_reach_told;
-        ALTER TABLE render RENAME COLUMN zero_pixels TO zero_pixels;
-        ALTER TABLE render RENAME COLUMN top_percent_share TO top_percent_share;
-        ALTER TABLE error_point RENAME COLUMN top_percent_share TO top_percent_share;
+        ALTER TABLE render RENAME COLUMN zero_pixels TO unseen_pixels;
+        ALTER TABLE render RENAME COLUMN top_percent_share TO worst_share;
+        ALTER TABLE error_point RENAME COLUMN top_percent_share TO worst_share;
         ALTER TABLE webhook_message RENAME COLUMN error_warning TO doubt;
-        CREATE TRIGGER webhook_of_render_out_of_reach AFTER UPDATE OF target_unreachable ON render
+        CREATE TRIGGER webhook_of_render_out_of_reach AFTER UPDATE OF out_of_reach ON render
         BEGIN UPDATE render SET out_of_reach_told = 1 WHERE id = NEW.id; END;""",
 }
 """What takes back a migration, where there is anything to take back."""
