@@ -12,6 +12,8 @@ namespace {
 /// Of both polarisations.
 struct Polarised {
   LayerShares s, p;
+
+  Polarised turned() const { return {s.turned(), p.turned()}; }
 };
 
 Polarised one_behind_other(const Polarised& first, const Polarised& second, double between = 1.0) {
@@ -30,35 +32,6 @@ Polarised face(const ThinFilm& film, double cosine, double from, double to, floa
           {front.p.reflected, back.p.reflected, front.p.transmitted}};
 }
 
-struct At {
-  double cosine, index_from;
-  float wavelength;
-
-  Polarised operator()(const SheetPane& pane) const {
-    const auto index = static_cast<double>(pane.index(wavelength));
-    const double ratio = index / index_from;
-    const double g2 = (ratio - 1.0) * (ratio + 1.0) + cosine * cosine;
-    const Polarised front = face(pane.front, cosine, index_from, index, wavelength);
-    const Polarised outside = face(pane.back, cosine, index_from, index, wavelength);
-    const Polarised back{outside.s.turned(), outside.p.turned()};
-    if (g2 <= 0.0) return one_behind_other(front, back, 0.0);
-    const auto transmittance = static_cast<double>(pane.transmittance(wavelength));
-    const double between =
-        transmittance == 1.0 ? 1.0 : math::pow(transmittance, ratio / std::sqrt(g2));
-    return one_behind_other(front, back, between);
-  }
-  Polarised operator()(const FilmPane& pane) const {
-    return face(pane.film, cosine, index_from, index_from, wavelength);
-  }
-  Polarised operator()(const MeasuredPane& pane) const {
-    const LayerShares found = measured_shares(
-        {static_cast<double>(pane.front(wavelength)), static_cast<double>(pane.back(wavelength)),
-         static_cast<double>(pane.transmittance(wavelength))},
-        cosine);
-    return {found, found};
-  }
-};
-
 // The effect of a boundary on products of fields. It ends light that it reflects totally.
 LayerProducts product_face(const ThinFilm& film, double cosine, double from, double to,
                            float wavelength) {
@@ -76,8 +49,8 @@ LayerProducts product_face(const ThinFilm& film, double cosine, double from, dou
           flow * product(front.s.transmitted, front.p.transmitted)};
 }
 
-LayerProducts products_behind(const LayerProducts& first, const LayerProducts& second,
-                              double between) {
+LayerProducts one_behind_other(const LayerProducts& first, const LayerProducts& second,
+                               double between) {
   const double there_and_back = between * between;
   const Complex echo = Complex{1.0} - there_and_back * (first.back * second.front);
   if (!(echo.norm() > 0.0)) return {first.front, second.back, {}};
@@ -86,22 +59,47 @@ LayerProducts products_behind(const LayerProducts& first, const LayerProducts& s
           between * (first.through * second.through) / echo};
 }
 
+// Two faces and what is between: `face` is that of a film between two indices, as it is met.
+template <class Layer>
+Layer sheet(const SheetPane& pane, double cosine, double index_from, float wavelength,
+            Layer (*face)(const ThinFilm&, double, double, double, float)) {
+  const auto index = static_cast<double>(pane.index(wavelength));
+  const double ratio = index / index_from;
+  const double g2 = (ratio - 1.0) * (ratio + 1.0) + cosine * cosine;
+  const Layer front = face(pane.front, cosine, index_from, index, wavelength);
+  const Layer back = face(pane.back, cosine, index_from, index, wavelength).turned();
+  if (g2 <= 0.0) return one_behind_other(front, back, 0.0);
+  const auto transmittance = static_cast<double>(pane.transmittance(wavelength));
+  const double between =
+      transmittance == 1.0 ? 1.0 : math::pow(transmittance, ratio / std::sqrt(g2));
+  return one_behind_other(front, back, between);
+}
+
+struct At {
+  double cosine, index_from;
+  float wavelength;
+
+  Polarised operator()(const SheetPane& pane) const {
+    return sheet(pane, cosine, index_from, wavelength, face);
+  }
+  Polarised operator()(const FilmPane& pane) const {
+    return face(pane.film, cosine, index_from, index_from, wavelength);
+  }
+  Polarised operator()(const MeasuredPane& pane) const {
+    const LayerShares found = measured_shares(
+        {static_cast<double>(pane.front(wavelength)), static_cast<double>(pane.back(wavelength)),
+         static_cast<double>(pane.transmittance(wavelength))},
+        cosine);
+    return {found, found};
+  }
+};
+
 struct ProductsAt {
   double cosine, index_from;
   float wavelength;
 
   LayerProducts operator()(const SheetPane& pane) const {
-    const auto index = static_cast<double>(pane.index(wavelength));
-    const double ratio = index / index_from;
-    const double g2 = (ratio - 1.0) * (ratio + 1.0) + cosine * cosine;
-    const LayerProducts front = product_face(pane.front, cosine, index_from, index, wavelength);
-    const LayerProducts back =
-        product_face(pane.back, cosine, index_from, index, wavelength).turned();
-    if (g2 <= 0.0) return products_behind(front, back, 0.0);
-    const auto transmittance = static_cast<double>(pane.transmittance(wavelength));
-    const double between =
-        transmittance == 1.0 ? 1.0 : math::pow(transmittance, ratio / std::sqrt(g2));
-    return products_behind(front, back, between);
+    return sheet(pane, cosine, index_from, wavelength, product_face);
   }
   LayerProducts operator()(const FilmPane& pane) const {
     return product_face(pane.film, cosine, index_from, index_from, wavelength);
@@ -175,7 +173,7 @@ PolarisedLayers Glazing::polarised(double cosine, float index_from, float wavele
   LayerProducts products = std::visit(products_at, panes_[0]);
   for (std::size_t i = 1; i < panes_.size(); ++i) {
     all = one_behind_other(all, std::visit(at, panes_[i]));
-    products = products_behind(products, std::visit(products_at, panes_[i]), 1.0);
+    products = one_behind_other(products, std::visit(products_at, panes_[i]), 1.0);
   }
   return {all.s, all.p, products};
 }
