@@ -29,6 +29,7 @@ class Pilot {
       : scene_(scene), request_(request), trials_(scene, request.film, request.threads) {
     if (!request.ratio) given_ratio_ = scene.options.forward_ratio;
   }
+
   PilotResult run() {
     const auto [budget, mean] = pilot_budget(trials_, request_);
     mean_ = mean;
@@ -43,7 +44,8 @@ class Pilot {
                                              request_.samples, budget / 2, mean_);
     }
     for (const auto& [kind, figures] : tried_) result_.tried.push_back(figures);
-    result_.photons = trials_.photons(), result_.rays = trials_.rays();
+    result_.photons = trials_.photons();
+    result_.rays = trials_.rays();
     return std::move(result_);
   }
 
@@ -123,7 +125,9 @@ class Pilot {
   }
 
   void report(PilotResult::Fault fault, double differs_by) {
-    if (differs_by != 0.0) result_.fault = fault, result_.differs_by = differs_by;
+    if (differs_by == 0.0) return;
+    result_.fault = fault;
+    result_.differs_by = differs_by;
   }
 
   Scene& scene_;
