@@ -167,12 +167,17 @@ EnvironmentMap load_map(const LoadContext& context, const v1::EnvironmentMap& me
                          vector(message.z(), "a map's axis")});
 }
 
-// Each has a response, or none has.
-std::uint32_t load_light_group(const LoadContext& context, std::uint32_t number) {
+// Light groups that are told apart; each has a response, or none has.
+std::uint32_t groups_told_apart(const LoadContext& context) {
   std::uint32_t groups = 0;
   for (const auto& response : context.message.sensor().further_responses()) {
     if (response.has_light_group()) groups = std::max(groups, response.light_group() + 1);
   }
+  return groups;
+}
+
+std::uint32_t load_light_group(const LoadContext& context, std::uint32_t number) {
+  const std::uint32_t groups = groups_told_apart(context);
   require(groups == 0 || number < groups, "a light group that no response counts");
   return number;
 }
@@ -278,10 +283,8 @@ PhotonEmitter load_emitter(const LoadContext& context, const std::vector<Luminai
   for (const auto& message : context.message.ray_sets()) {
     emitter.add_rays(load_rays(context, message));
   }
-  const auto& asked = context.message.sensor().further_responses();
-  const bool each_group = std::ranges::any_of(
-      asked, [](const v1::Response& response) { return response.has_light_group(); });
-  emitter.finish(lights, ball_with_film(geometry.bounds(), sensor, {1, 1}), each_group);
+  emitter.finish(lights, ball_with_film(geometry.bounds(), sensor, {1, 1}),
+                 groups_told_apart(context) > 0);
   return emitter;
 }
 
