@@ -1,9 +1,10 @@
 // All densities of directions towards light together.
+#include "luminaires/light_sampler.h"
+
 #include <array>
 #include <cmath>
 #include <limits>
 
-#include "luminaires/light_sampler.h"
 #include "support/chi_square.h"
 #include "support/irradiance.h"
 #include "surfaces/geometry.h"
