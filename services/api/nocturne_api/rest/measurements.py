@@ -6,6 +6,7 @@ from fastapi import APIRouter, Query, Request
 from nocturne_coordinator.errors import AmbiguousId
 from nocturne_scene.errors import NotFound
 from nocturne_scene.photometry.glare import DEFAULT_THRESHOLD, View
+from starlette.responses import Response
 
 from nocturne_api.limits import SMALL_BODY_BYTES
 from nocturne_api.models.measurements import (
@@ -16,7 +17,8 @@ from nocturne_api.models.measurements import (
     Measurements,
     MeasureRequest,
 )
-from nocturne_api.rest.contract import body_of, errors
+from nocturne_api.operations.annual import YearQuestion
+from nocturne_api.rest.contract import answers, body_of, errors
 from nocturne_api.rest.requests import Service, read_json
 
 router = APIRouter(prefix="/v1/renders", tags=["measurements"])
@@ -53,6 +55,28 @@ async def get_isolines(
 ) -> Isolines:
     """Lines along which the image has these values, of means over blocks of pixels."""
     return await operations.measurements.isolines(render_id, level or [], channel)
+
+
+_YEAR = {**answers("application/json", "The year, as `nocturne annual` writes it."), **_OF_ONE}
+
+
+@router.get("/{render_id}/annual.json", response_class=Response, responses=_YEAR)
+async def get_annual(
+    render_id: str,
+    operations: Service,
+    lux: Annotated[float, Query(description="Illuminance that counts as enough, lx.")] = 300.0,
+    first_hour: Annotated[float, Query(description="Of the day, from which light counts.")] = 8.0,
+    last_hour: Annotated[float, Query(description="Until which it counts.")] = 18.0,
+    eye: Annotated[list[str] | None, Query(description="Instruments at eyes: simplified DGP.")] = None,
+    ground: Annotated[float, Query(description="Reflectance of the ground beyond the scene.")] = 0.2,
+) -> Response:
+    """A year of daylight, of the group that a render of daylight coefficients is in: sDA, ASE, autonomy.
+
+    404 where the group lacks one of the renders that a year takes, or where one has not ended.
+    """
+    asked = YearQuestion(lux, (first_hour, last_hour), tuple(eye or ()), ground)
+    content = await operations.annual.year(render_id, asked)
+    return Response(content, headers={"Cache-Control": "no-cache"}, media_type="application/json")
 
 
 @router.get("/{render_id}/glare", responses=_OF_ONE)
