@@ -10,11 +10,11 @@ from nocturne.v1 import scene_pb2
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.compile.compiler import compile_scene
 from nocturne_scene.daylight.patches import Patches
+from nocturne_scene.daylight_ranges import daylight_range_ends
 from nocturne_scene.document.read import check_document
 from nocturne_scene.document.sensors import film_size
 from nocturne_scene.errors import InputError
 from nocturne_scene.film import Film
-from nocturne_scene.daylight_ranges import daylight_range_ends
 from nocturne_scene.ranges import TileGrid, extended_schedule
 from nocturne_scene.scene_ranges import schedule_for_scene
 from nocturne_scene.tile_sums import TileSums, decode

@@ -24,6 +24,7 @@ from nocturne_api.operations.readings import LearnedLights, Readings
 from nocturne_api.operations.render_controls import RenderControls
 from nocturne_api.operations.render_streams import RenderStreams
 from nocturne_api.operations.renders import Groups, Renders
+from nocturne_api.operations.reports import Reports
 from nocturne_api.operations.scenes import Imports, Preflights
 from nocturne_api.operations.webhooks import Webhooks
 from nocturne_api.operations.workers import Machines, UsageReports, Workers
@@ -69,6 +70,7 @@ class Operations:
         self.learned_lights = LearnedLights(access, self.renders, compile_limits)
         self.measurements = Measurements(access, self.renders)
         self.annual = Annual(access, self.renders, compile_limits)
+        self.reports = Reports(access, self.renders, self.images, self.annual, compile_limits)
         self.preflights = Preflights(access, compile_limits)
         self.workers = Workers(access)
         self.usage = UsageReports(access, price)

@@ -22,11 +22,11 @@ from nocturne_scene.daylight.coefficients import Coefficients, Layout
 from nocturne_scene.daylight.patches import Patches
 from nocturne_scene.daylight.points import Points
 from nocturne_scene.daylight.year_of_skies import YearOfSkies
+from nocturne_scene.daylight_ranges import daylight_range_ends
 from nocturne_scene.document.changes import changed
 from nocturne_scene.document.read import check_document
 from nocturne_scene.document.sensors import Meters
 from nocturne_scene.errors import InputError
-from nocturne_scene.daylight_ranges import daylight_range_ends
 from nocturne_scene.spectra.published import Floats
 from numpy.typing import NDArray
 
