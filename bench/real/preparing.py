@@ -13,13 +13,15 @@ from pathlib import Path
 import numpy as np
 import OpenImageIO
 
+from bench.real import daylight
+
 PIXELS = 20_000
 """Of a film, about."""
 
 _FILES = ("filename", "file")
 # Colours that were sRGB before they became linear in name.
 _HEX = re.compile(r"#[0-9a-fA-F]{6}")
-_GREY = "grey.png"
+_GREY, _SKY = "grey.png", "daylight.exr"
 
 
 class Unprepared(ValueError):
@@ -35,6 +37,8 @@ def prepared(file: Path) -> tuple[Path, tuple[int, int]]:
         for child in list(parent):
             if _is_missing(child, file.parent):
                 _leave_out(parent, child)
+            elif child.tag == "emitter" and child.get("type") in daylight.KINDS:
+                daylight.as_picture(child, file.with_name(_SKY))
             else:
                 _renew(parent, child)
     for integrator in root.findall("integrator"):

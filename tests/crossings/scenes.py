@@ -39,6 +39,7 @@ SITUATIONS = (
     "a lamp in two media",
     "a layer ends on a surface",
     "rough boundary of equal index",
+    "boundary between two indices",
     "things around an intensity meter",
 )
 """Situations that had faults, and for which the schema has no field."""

@@ -161,7 +161,10 @@ def _dielectric(context: Context, properties: Properties) -> Bsdf:
         return Bsdf({"type": "coated_diffuse", "index": index, "reflectance": 0.0})
     if passing != 1.0:
         context.findings.lost(properties.place, 'no support for "specular_transmittance" other than 0 and 1')
-    return Bsdf({"type": "dielectric", "index": _relative_index(context, properties)})
+    interior, exterior = _index(properties, "int_ior", "bk7"), _index(properties, "ext_ior", "air")
+    if exterior > _THIN:
+        return Bsdf({"type": "dielectric", "index": interior, "outside": exterior})
+    return Bsdf({"type": "dielectric", "index": interior / exterior})
 
 
 def _rough_dielectric(context: Context, properties: Properties) -> Bsdf:
