@@ -102,6 +102,17 @@ def test_a_wide_ground_leaves_caustics_to_photons_from_the_lamp(tmp_path: Path) 
     assert np.std(both) < 0.6 * np.std(adjoint)
 
 
+def test_the_sun_on_glass_above_a_wide_ground(tmp_path: Path) -> None:
+    """Nothing is aimed: one photon in 2e7 of a disc as wide as the ground met the ball, and its caustic was
+    missing from both directions (0.69 of the light). The truth is by photons from the camera."""
+    document = _lit_floor(_ball(1.5, 0.0))
+    document["surfaces"][0] = surface(quad([-1000, 0, -1000], [0, 0, 2000], [2000, 0, 0]), diffuse(0.8))
+    document["distant"] = [{"direction": [0, 1, 0], "angular_diameter_degrees": 20.0, "irradiance": 1.0}]
+    adjoint = means(document, tmp_path / "adjoint")
+    both = means(document, tmp_path / "both", direction="both", aimed_emission=0)
+    assert not differ(adjoint, both)
+
+
 def _lamp_in_a_housing(fog_from: float) -> Document:
     """A small lamp at x = -1.5 m, in a silver bowl behind a cover of glass, and fog from `fog_from` on. The
     camera, in clear air behind the lamp, sees the floor and the fog before it."""
