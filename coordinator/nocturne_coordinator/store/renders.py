@@ -147,6 +147,7 @@ class Renders:
         further = len(new.schedule.further_responses)
         # Forward photons in separate ranges have sums, too, and both together.
         sums = 8 * numbers_in(new.width, new.height, further) * (3 if new.schedule.photon_range_ends else 1)
+        sums += 8 * new.width * new.height * new.schedule.coefficients
         layers = 2 * layers_bytes(new.width, new.height, new.all_layers)
         image = 4 * new.width * new.height * (_EXR_CHANNELS + 2 * further)
         files = (self._blob_here(sha256) for sha256 in new.files)
