@@ -5,7 +5,6 @@ import logging
 import math
 import secrets
 import signal
-import sqlite3
 import sys
 import threading
 import time
@@ -31,6 +30,7 @@ from nocturne_coordinator.queue.job_queue import JobQueue, Session
 from nocturne_coordinator.signals import on_signals
 from nocturne_coordinator.store.checkpoint import CHECKPOINT_SECONDS, Checkpointer
 from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_coordinator.store.database import DatabaseTrouble
 from nocturne_coordinator.store.ledger import Ledger
 from nocturne_coordinator.store.ownership import LEASE_SECONDS, Ownership
 
@@ -238,7 +238,7 @@ def _open(data: Path, shared: bool, lease_seconds: float) -> tuple[DataFolder, O
     folder = DataFolder(data)
     try:
         return folder, Ownership(data, folder.database, shared, lease_seconds)
-    except (OSError, sqlite3.Error) as trouble:
+    except (OSError, DatabaseTrouble) as trouble:
         folder.close()
         raise UnusableFolder.because(data, trouble) from trouble
 

@@ -47,8 +47,8 @@ class Groups:
         """Of one owner, or of all; raises NotFound."""
         row = self._database.row(
             """SELECT count(*) AS renders,
-                   coalesce(sum(state NOT IN ('QUEUED', 'RUNNING', 'PAUSED')), 0) AS ended,
-                   coalesce(sum(state IN ('FAILED', 'CANCELLED', 'DEGRADED')), 0) AS failed,
+                   count(*) FILTER (WHERE state NOT IN ('QUEUED', 'RUNNING', 'PAUSED')) AS ended,
+                   count(*) FILTER (WHERE state IN ('FAILED', 'CANCELLED', 'DEGRADED')) AS failed,
                    coalesce(sum(CASE WHEN state IN ('QUEUED', 'RUNNING', 'PAUSED')
                                 THEN ranges_done ELSE ranges_planned END), 0) AS ranges_done,
                    coalesce(sum(ranges_planned), 0) AS ranges_planned,

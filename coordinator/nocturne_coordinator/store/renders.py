@@ -8,7 +8,6 @@ import hashlib
 import json
 import re
 import secrets
-import sqlite3
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -30,7 +29,7 @@ from nocturne_coordinator.dispatch.records import ErrorPoint, RenderState
 from nocturne_coordinator.dispatch.stopping import StopConditions, check_tile_samples
 from nocturne_coordinator.errors import AmbiguousId, BlobsMissing, Conflict
 from nocturne_coordinator.store.blob_use import BlobUse
-from nocturne_coordinator.store.database import Database
+from nocturne_coordinator.store.database import Database, Row
 from nocturne_coordinator.store.groups import WAITS
 from nocturne_coordinator.store.layers import layers_bytes
 from nocturne_coordinator.store.quotas import NO_QUOTA, Quota, check_quota
@@ -165,7 +164,7 @@ class Renders:
         """Raises NotFound."""
         return _render_row(self._row(render_id, _COLUMNS))
 
-    def _row(self, render_id: str, columns: str) -> sqlite3.Row:
+    def _row(self, render_id: str, columns: str) -> Row:
         row = self._database.row(f"SELECT {columns} FROM render WHERE id = ?", (render_id,))  # noqa: S608
         if row is None:
             raise NotFound(f"there is no render {render_id!r}")
@@ -286,13 +285,13 @@ class Renders:
         counted = self.counted()
         known = counted["samples"] and counted["cpu_seconds"] / counted["samples"]
         row = self._database.row(
-            f"""SELECT total(max(0.0, iif(predicted_cpu_seconds > 0.0, predicted_cpu_seconds - cpu_seconds,
+            f"""SELECT sum(max(0.0, iif(predicted_cpu_seconds > 0.0, predicted_cpu_seconds - cpu_seconds,
                     iif(?1 > 0.0, ?1, ?2 * photons_per_sample)
                     * (1.0 * width * height * samples - 1.0 * photons / photons_per_sample)))) AS open
                 FROM render WHERE state IN ('QUEUED', 'RUNNING') AND NOT ({WAITS})""",  # noqa: S608
             (known, USUAL_COST),
         )
-        return float(row["open"]) if row is not None else 0.0
+        return float(row["open"] or 0.0) if row is not None else 0.0
 
     def counted(self) -> dict[str, float]:
         """All work that was ever merged, and ends of renders by state, those deleted or traced again
@@ -301,7 +300,7 @@ class Renders:
         return {row["name"]: row["value"] for row in rows}
 
 
-def _render_row(row: sqlite3.Row) -> RenderRow:
+def _render_row(row: Row) -> RenderRow:
     """From a row with _COLUMNS."""
     values = {field.name: row[field.name] for field in fields(RenderRow)}
     values["state"] = RenderState(values["state"])
