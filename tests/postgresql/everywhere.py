@@ -14,7 +14,14 @@ from nocturne_coordinator.store.database import Database
 
 from tests.postgresql.server import PostgresServer
 
-_OF_THE_FILE: dict[str, str] = {}
+_OF_THE_FILE = {
+    "test_a_folder_of_another_version_is_refused": "changes SQLite's user_version; test_database.py too",
+    "test_migrations.py": "about SQLite's own migrations; test_database.py compares the schemas",
+    "test_looking.py": "counts SQLite's instructions",
+    "test_privacy.py": "about the files of SQLite",
+    "test_restoring.py": "about checkpoints, which are copies of SQLite's file",
+    "test_readiness.py::test_who_can_not_write": "locks SQLite's file",
+}
 
 
 def pytest_configure(config: pytest.Config) -> None:

@@ -49,7 +49,17 @@ def put_on_server(root: Path, server: str) -> None:
     _write(root / _SERVER, server)
 
 
-def _on_server(root: Path, server: str) -> Database:
+def open_restored(root: Path) -> Database:
+    """That on the folder's server, whichever folder it belonged to; `write_id` makes them belong together."""
+    return _connect(root, server_of(root))
+
+
+def write_id(root: Path, folder: str) -> None:
+    """The folder belongs to the database whose `folder` this is."""
+    _write(root / _ID, folder)
+
+
+def _connect(root: Path, server: str) -> Database:
     try:
         from nocturne_coordinator.store.postgresql import PostgresDatabase
     except ImportError:
@@ -57,17 +67,21 @@ def _on_server(root: Path, server: str) -> Database:
             f"the database of {root} is on PostgreSQL, for which psycopg is missing: install "
             "nocturne[postgresql]"
         ) from None
-    database = PostgresDatabase(root, server)
+    return PostgresDatabase(root, server)
+
+
+def _on_server(root: Path, server: str) -> Database:
+    database = _connect(root, server)
     try:
         row = database.row("SELECT folder FROM ownership")
         folder = str(row["folder"]) if row is not None else ""
         known = root / _ID
         if not known.exists():
-            _write(known, folder)
+            write_id(root, folder)
         elif known.read_text(encoding="utf-8").strip() != folder:
             raise UnusableFolder(
-                f"{root} belongs to another database than that of {_SERVER!r}; after a restored backup see "
-                "the manual, else give the folder that belongs to it"
+                f"{root} belongs to another database than that on its server; give the folder that belongs "
+                "to it, or run nocturne restore if a backup was brought back"
             )
     except BaseException:
         database.close()

@@ -55,7 +55,7 @@ class Groups:
                    coalesce(sum(cpu_seconds), 0.0) AS cpu_seconds,
                    coalesce(max(CASE WHEN state = 'RUNNING' THEN predicted_end ELSE 0.0 END), 0.0)
                        AS predicted_end
-               FROM render WHERE in_group = ?1 AND in_group <> '' AND (?2 IS NULL OR owner = ?2)""",
+               FROM render WHERE in_group = ?1 AND in_group <> '' AND owner = coalesce(?2, owner)""",
             (name, owner),
         )
         if row is None or not row["renders"]:

@@ -237,13 +237,13 @@ class PostgresDatabase(Database):
         with self._lock:
             self.check_place()
             connection = self._own()
-            _run(connection, _BEGIN[durable])
-            self._writer, self._changed = threading.get_ident(), False
             try:
+                _run(connection, _BEGIN[durable])
+                self._writer, self._changed = threading.get_ident(), False
                 yield
                 _run(connection, _COMMIT_CHANGE if self._changed else b"COMMIT")
             except BaseException:
-                # A lost connection has rolled it back already.
+                # A lost connection has rolled it back already; one that waited too long has begun it.
                 with suppress(DatabaseTrouble):
                     _run(connection, b"ROLLBACK")
                 raise

@@ -177,7 +177,7 @@ class Renders:
         """
         # No character of an id comes after the last that there is, so all that begin so lie below it.
         rows = self._database.rows(
-            f"""SELECT {_COLUMNS} FROM render WHERE id >= ?1 AND id < ?2 AND (?3 IS NULL OR owner = ?3)
+            f"""SELECT {_COLUMNS} FROM render WHERE id >= ?1 AND id < ?2 AND owner = coalesce(?3, owner)
                 ORDER BY id LIMIT ?4""",  # noqa: S608
             (start, start + chr(sys.maxunicode), owner, limits.IDS_SHOWN + 1),
         )
@@ -230,7 +230,7 @@ class Renders:
         render = self.get(render_id)
         rows = self._database.rows(
             f"""SELECT {_COLUMNS} FROM render WHERE width = ? AND height = ? AND engine <> ?
-                    AND state IN ('SUCCEEDED', 'STOPPED_EARLY') AND (?4 IS NULL OR owner = ?4)
+                    AND state IN ('SUCCEEDED', 'STOPPED_EARLY') AND owner = coalesce(?4, owner)
                     AND scene_document = (SELECT scene_document FROM render WHERE id = ?5)
                 ORDER BY number""",  # noqa: S608
             (render.width, render.height, render.engine, owner, render_id),

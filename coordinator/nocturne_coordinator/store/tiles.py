@@ -72,7 +72,7 @@ class Tiles:
         rows = self._database.rows(
             """SELECT worker_id, render.id, render.name, count(*), min(since)
                FROM at_work JOIN render ON render.id = at_work.render_id
-               WHERE ?1 IS NULL OR render.owner = ?1
+               WHERE render.owner = coalesce(?1, render.owner)
                GROUP BY worker_id, render.id, render.name ORDER BY worker_id, min(since)""",
             (owner,),
         )

@@ -19,7 +19,7 @@ FROM (
         FROM at_work JOIN render ON render.id = render_id GROUP BY owner
     UNION ALL SELECT name, 0, 0, 0.0, 0, 0, weight FROM token WHERE revoked = 0
 ) AS each_kind
-WHERE ?1 IS NULL OR owner = ?1
+WHERE owner = coalesce(?1, owner)
 GROUP BY owner HAVING sum(renders) > 0 ORDER BY sum(cpu_seconds) DESC, owner
 """
 
