@@ -31,6 +31,7 @@ from nocturne_coordinator.store.privacy import make_private
 from nocturne_coordinator.store.quotas import Uploads
 from nocturne_coordinator.store.render_requests import RenderRequests
 from nocturne_coordinator.store.renders import Renders
+from nocturne_coordinator.store.sessions import Sessions
 from nocturne_coordinator.store.tiles import Tiles
 from nocturne_coordinator.store.tokens import Tokens
 from nocturne_coordinator.store.webhooks import Webhooks
@@ -66,6 +67,7 @@ class DataFolder:
         self.meters = Meters(self.database)
         self.calls = Calls(self.database)
         self.tokens = Tokens(self.database)
+        self.sessions = Sessions(self.database, self.tokens)
         self.archive = Archive(self.database)
         self.webhooks = Webhooks(self.database)
         self.removals = Removals(self.database)
