@@ -6,7 +6,6 @@ Several may share a folder: each render is leased to one of them, and every writ
 All decisions are those of `dispatch.core`."""
 
 import logging
-import sqlite3
 from collections.abc import Callable
 
 from nocturne_coordinator.clock import Clock
@@ -22,6 +21,7 @@ from nocturne_coordinator.output.previews import Previews
 from nocturne_coordinator.queue.dispatcher import Dispatcher
 from nocturne_coordinator.queue.job_queue import JobQueue, ResultEntry, Session
 from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_coordinator.store.database import DatabaseTrouble
 from nocturne_coordinator.store.ledger import Ledger
 
 _log = logging.getLogger(__name__)
@@ -85,7 +85,7 @@ class Coordinator:
         self._dispatcher.leave()
         try:
             self._ledger.leases.resign()
-        except (sqlite3.Error, OSError) as trouble:
+        except (DatabaseTrouble, OSError) as trouble:
             _log.info("the leases on renders run out by themselves: %s", trouble)
         _log.info("stopped; %d renders wait to be resumed", len(self.core.state.renders))
 
@@ -161,7 +161,7 @@ class Coordinator:
                 self._seen_changes = changes
         except LeaseLost as lost:
             self.tell(RenderLost(at, lost.render_id))
-        except (sqlite3.Error, OSError) as trouble:
+        except (DatabaseTrouble, OSError) as trouble:
             self._executor.wants_look = True
             _log.error("the data folder can't be used: %s; trying again", trouble)
 

@@ -1,7 +1,6 @@
 """Carries out the core's instructions, on queue, store and files."""
 
 import logging
-import sqlite3
 from collections.abc import Iterator
 from typing import Any
 
@@ -16,6 +15,7 @@ from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.errors import StoreUnavailable
 from nocturne_coordinator.output.previews import Previews
 from nocturne_coordinator.queue.dispatcher import Dispatcher
+from nocturne_coordinator.store.database import DatabaseTrouble
 from nocturne_coordinator.store.ledger import Ledger
 
 _log = logging.getLogger("nocturne_coordinator.coordinator")
@@ -65,7 +65,7 @@ class Executor:
             case _:
                 try:
                     return self._write(instruction)
-                except (sqlite3.Error, OSError) as trouble:
+                except (DatabaseTrouble, OSError) as trouble:
                     raise StoreUnavailable(str(trouble)) from trouble
         return None
 
@@ -116,7 +116,7 @@ class Executor:
         """Read one by one, as the core asks for them."""
         try:
             yield from self._ledger.renders.tiles(render_id)
-        except (sqlite3.Error, OSError) as trouble:
+        except (DatabaseTrouble, OSError) as trouble:
             raise StoreUnavailable(str(trouble)) from trouble
 
     def _commit(self, instruction: do.Commit) -> CommitDone:
@@ -131,7 +131,7 @@ class Executor:
     def _is_open(self, render_id: str) -> bool:
         try:
             return self._ledger.renders.is_open(render_id)
-        except sqlite3.Error:
+        except DatabaseTrouble:
             return True
 
     def _write_bundle(self, instruction: do.WriteBundle) -> None:
@@ -143,5 +143,5 @@ class Executor:
 
     def show_ended(self) -> None:
         """Final images of renders that were cancelled or failed, from committed sums. LeaseLost,
-        sqlite3.Error, OSError."""
+        DatabaseTrouble, OSError."""
         self._previews.finish_ended(self._clock.moment().unix)

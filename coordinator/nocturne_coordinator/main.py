@@ -5,7 +5,6 @@ import logging
 import math
 import secrets
 import signal
-import sqlite3
 import sys
 import threading
 import time
@@ -31,6 +30,8 @@ from nocturne_coordinator.queue.job_queue import JobQueue, Session
 from nocturne_coordinator.signals import on_signals
 from nocturne_coordinator.store.checkpoint import CHECKPOINT_SECONDS, Checkpointer
 from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_coordinator.store.database import DatabaseTrouble
+from nocturne_coordinator.store.databases import server_of
 from nocturne_coordinator.store.ledger import Ledger
 from nocturne_coordinator.store.ownership import LEASE_SECONDS, Ownership
 
@@ -212,7 +213,9 @@ def _run(options: argparse.Namespace, stop: threading.Event) -> None:
             memory_bytes(),
         )
         ledger = Ledger(folder.database, ownership)
-        if options.checkpoint_seconds > 0.0:
+        if server_of(data):
+            _log.info("the database is on a server, which makes its own backups: no checkpoints")
+        elif options.checkpoint_seconds > 0.0:
             place = options.checkpoints or data / "checkpoints"
             checkpointer = Checkpointer(data, place, options.checkpoint_seconds)
             threading.Thread(target=checkpointer.run, args=(stop,), daemon=True).start()
@@ -238,7 +241,7 @@ def _open(data: Path, shared: bool, lease_seconds: float) -> tuple[DataFolder, O
     folder = DataFolder(data)
     try:
         return folder, Ownership(data, folder.database, shared, lease_seconds)
-    except (OSError, sqlite3.Error) as trouble:
+    except (OSError, DatabaseTrouble) as trouble:
         folder.close()
         raise UnusableFolder.because(data, trouble) from trouble
 

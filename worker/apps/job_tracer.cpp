@@ -63,7 +63,7 @@ std::set<std::string> blobs_read_later(const v1::CompiledScene& message) {
 }
 
 std::shared_ptr<const LoadedScene> load(AssetCache& assets, const std::string& sha256,
-                                  std::stop_token stop) {
+                                        std::stop_token stop) {
   v1::CompiledScene message;
   {
     const auto file = assets.find(sha256);

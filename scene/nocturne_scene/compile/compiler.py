@@ -230,7 +230,10 @@ def _refuse_photons_of_luminaires(workspace: Workspace, message: scene_pb2.Compi
         told = "photons of distant light can't start in unbounded media"
         _refuse_photons(workspace, told, "forward", "both")
     if has_sky(message) and workspace.document.atmosphere is not None:
-        _refuse_lost_photons(workspace, message)
+        # None would meet a film, and aimed ones start in steps of half a metre: single precision, a planet's
+        # radius away.
+        told = "photons of distant light would start all around the atmosphere's planet"
+        _refuse_photons(workspace, told, "forward", "both")
     if _glows(message) and meter:
         # Media are no luminaires. A camera's own photons count their glow.
         told = "photons can't start where media glow, so that a meter would miss that light"
@@ -255,20 +258,6 @@ def _refuse_photons(workspace: Workspace, told: str, *directions: str) -> None:
     workspace.photons_can_start = False
     if workspace.document.tracing.direction in directions:
         workspace.problems.append(Problem("$.tracing.direction", f'{told}; expected "adjoint"'))
-
-
-def _refuse_lost_photons(workspace: Workspace, message: scene_pb2.CompiledScene) -> None:
-    """Photons of the Sun and the sky start on a disc as large as the planet: none would meet a film, nor what
-    makes a caustic, unless they are aimed at it."""
-    tracing = workspace.document.tracing
-    forward_only = workspace.document.sensor.type in MET_BY_PHOTONS
-    if forward_only:
-        workspace.photons_can_start = False
-    aimed = bool(tracing.aimed_emission) and bool(message.important_shapes)
-    if tracing.direction == "forward" or (tracing.direction == "both" and not aimed):
-        choices = '"adjoint"' if forward_only else '"adjoint", or "aimed_emission" and important directions'
-        told = f"photons of distant light would start all around the atmosphere's planet; expected {choices}"
-        workspace.problems.append(Problem("$.tracing.direction", told))
 
 
 def _all_surfaces(workspace: Workspace, instances: Instances) -> Iterator[tuple[Surface, int, str]]:

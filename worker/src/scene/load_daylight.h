@@ -9,8 +9,8 @@
 
 namespace nocturne {
 
-/// None of most scenes. Else the loaded scene is changed so that photons tell what they meet. Throws
-/// SceneError.
+/// None of most scenes. Else the loaded scene is changed so that photons tell what they meet.
+/// Throws SceneError.
 std::optional<DaylightCoefficients> load_daylight(const v1::CompiledScene& message, Scene& scene);
 
 }  // namespace nocturne

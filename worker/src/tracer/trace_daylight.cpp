@@ -51,8 +51,8 @@ class DaylightPixel {
     }
   }
 
-  /// One photon to each sun, from the same place and with the same wavelengths: f(number of the sun,
-  /// X, Y, Z). Returns the illuminance across the beam of a sun of 1, for these wavelengths.
+  /// One photon to each sun, from the same place and with the same wavelengths: f(number of the
+  /// sun, X, Y, Z). Returns the illuminance across the beam of a sun of 1, for these wavelengths.
   template <class F>
   double trace_suns(PixelSequence& numbers, std::uint32_t pixel, std::uint32_t index,
                     const std::vector<Vec3>& suns, TileSums& counts, const F& f) {
@@ -202,14 +202,15 @@ void trace_pixels_of_tile(const Scene& scene, const DaylightCoefficients& daylig
     double* const sums = &tile.coefficients[i * count];
     if (daylight.suns.empty()) {
       std::ranges::fill(straight, 0.0);
-      pixel.trace_sky(numbers, number, range.first_sample, range.end_sample, sums_of_tile,
-                      [&](std::uint32_t sample, Vec3 direction, bool is_straight, const Xyz& value) {
-                        values.add(sample, value);
-                        const std::uint32_t at = daylight.places[daylight.patches.number(direction)];
-                        if (at == DaylightCoefficients::kNotCounted) return;
-                        if (!is_straight) sums[at] += value[kY];
-                        if (is_straight && !daylight.reflected_alone) straight[at] += value[kY];
-                      });
+      pixel.trace_sky(
+          numbers, number, range.first_sample, range.end_sample, sums_of_tile,
+          [&](std::uint32_t sample, Vec3 direction, bool is_straight, const Xyz& value) {
+            values.add(sample, value);
+            const std::uint32_t at = daylight.places[daylight.patches.number(direction)];
+            if (at == DaylightCoefficients::kNotCounted) return;
+            if (!is_straight) sums[at] += value[kY];
+            if (is_straight && !daylight.reflected_alone) straight[at] += value[kY];
+          });
       for (std::size_t c = 0; c < count; ++c) sums[c] = straight[c] + sums[c];
     } else {
       const double part = 1.0 / static_cast<double>(daylight.suns.size());

@@ -47,9 +47,9 @@ struct DaylightTile {
   std::vector<double> coefficients;
 };
 
-/// The range of a tile: coefficients beside X, Y, Z of the even sky, or of the mean of the suns. They
-/// are those of trace_daylight, bit for bit. Throws std::invalid_argument where they would be too
-/// many, TracingStopped.
+/// The range of a tile: coefficients beside X, Y, Z of the even sky, or of the mean of the suns.
+/// They are those of trace_daylight, bit for bit. Throws std::invalid_argument where they would be
+/// too many, TracingStopped.
 DaylightTile trace_daylight_tile(const Scene& scene, const DaylightCoefficients& daylight,
                                  Film film, const TileRange& range, const std::stop_token& stop);
 

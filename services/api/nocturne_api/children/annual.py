@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 from nocturne.v1 import job_pb2
-from nocturne_coordinator.store.database import Database
+from nocturne_coordinator.store.databases import open_database
 from nocturne_coordinator.store.object_store import ObjectStore
 from nocturne_coordinator.store.tiles import Tiles
 from nocturne_scene.blobs import BlobStore
@@ -64,7 +64,7 @@ def year_of(job: Mapping[str, Any]) -> str:
     weather = weather_of(sensor.daylight, blobs)
     skies = skies_of(weather, layout.sky, job["ground"])
     counting = counting_of(weather, skies, job["hours"], job["lux"])
-    films = Films(Tiles(Database(Path(job["database"]))), points, sensor.daylight)
+    films = Films(Tiles(open_database(Path(job["folder"]))), points, sensor.daylight)
     states = [[films.coefficients(state) for state in of_seen] for of_seen in job["renders"]]
     seen = [Traces(each[0], each[1] if len(each) > 1 else None) for each in states]
     traces = replace(seen[0], melanopic=seen[1] if len(seen) > 1 else None)

@@ -68,7 +68,7 @@ class Annual:
             "renders": [
                 states for seen in (False, True) if (states := await self._states(found, melanopic=seen))
             ],
-            "database": str(self._access.folder.root / "nocturne.db"),
+            "folder": str(self._access.folder.root),
             "lux": asked.lux,
             "hours": asked.hours,
             "eyes": asked.eyes,

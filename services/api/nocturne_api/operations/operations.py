@@ -6,12 +6,14 @@ from typing import Self
 from nocturne_coordinator.store.object_store import ObjectStore
 from nocturne_coordinator.store.quotas import NO_QUOTA, Quota
 
+from nocturne_api import limits
 from nocturne_api.access import Caller, caller_of
 from nocturne_api.background.archiver import Archiver
 from nocturne_api.background.garbage_collector import GarbageCollector
 from nocturne_api.background.layer_builder import LayerBuilder
 from nocturne_api.background.space import DiskQuota, StorageLimits
 from nocturne_api.compiling.pool import CompileLimits, prepare
+from nocturne_api.errors import Unauthenticated
 from nocturne_api.models.workers import CoreHourPrice
 from nocturne_api.operations.annual import Annual
 from nocturne_api.operations.assets import Assets
@@ -114,6 +116,23 @@ class Operations:
     async def identify(self, secret: str) -> Caller:
         """Who has the token with this secret; raises Unauthenticated."""
         return caller_of(await self._access.in_database(self._access.folder.tokens.find, secret))
+
+    async def identify_session(self, name: str) -> Caller:
+        """Who began the session of the page with this name; raises Unauthenticated where it has ended."""
+        find = self._access.folder.sessions.token
+        token = await self._access.in_database(find, name, limits.SESSION_SECONDS)
+        if token is None:
+            raise Unauthenticated("the session has ended; give the token again")
+        return caller_of(token)
+
+    async def begin_session(self, secret: str) -> str:
+        """The name of a new session of the page for who has the secret; all that serve the folder know it."""
+        begin = self._access.folder.sessions.begin
+        return await self._access.writing(begin, secret, limits.SESSIONS, limits.SESSION_SECONDS)
+
+    async def end_session(self, name: str) -> None:
+        """Nobody gets in with it any more."""
+        await self._access.writing(self._access.folder.sessions.end, name)
 
     async def close(self) -> None:
         """Ends all streams and lets go of the data folder."""

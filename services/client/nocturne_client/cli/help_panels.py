@@ -59,6 +59,7 @@ PANELS: dict[str, dict[str, str]] = {
         "token": "Make, list and revoke API tokens",
         "webhook": "Tell an address how your renders end",
         "restore": "Examine a data folder after a disaster, and repair it",
+        "database": "Put the database of a new data folder on a server",
         "doctor": "List what this machine or a service lacks",
     },
 }
