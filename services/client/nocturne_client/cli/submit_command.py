@@ -133,6 +133,7 @@ def submit(
         if annual is not None:
             found |= {each: _year(found.get(each, each), annual) for each in scenes}
             samples, variants = _of_batch(samples, changes), [*variants, _PARTS]
+            name = name or ("" if len(scenes) > 1 else scene.stem)
         with _repeatable(chosen):
             renders = [
                 render
