@@ -13,6 +13,9 @@ struct PilotBudget {
   double mean = 0.0;
 };
 
+/// Part of its samples with which a pilot tries sharing.
+constexpr double kForSharing = 1.0 / 3;
+
 PilotBudget pilot_budget(Trials& trials, const PilotRequest& request);
 
 }  // namespace nocturne
