@@ -60,6 +60,10 @@ def test_a_report_has_what_the_group_knows(service: ServiceProcesses, office: li
         assert told in page
     # The eye is the other render of the group.
     assert eye.id[:8] in page
+    words = _get(service, meters, "report.json", **asked).json()
+    assert [each["what"] for each in words["checks"]][:2] == ["Em, working plane", "U0, working plane"]
+    assert words["verdict"] in ("holds", "fails", "open")
+    assert words["sections"][0]["tables"][0]["rows"]
     pdf = _get(service, meters, "report.pdf", **asked)
     assert pdf.headers["content-type"] == "application/pdf"
     assert pdf.content.startswith(b"%PDF-1.4")

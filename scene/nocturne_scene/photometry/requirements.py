@@ -35,8 +35,8 @@ class Requirement:
 
 
 # EN 12464-1:2021, Table 34, offices: required values, not the modified ones. The standard's means for walls
-# and ceiling are not in here, as scenes do not say which meters are theirs. The table itself is not public:
-# of rows other than _PUBLISHED no public text was found that has all of these numbers, and a report says so.
+# and ceiling are not in here, as scenes do not say which meters are theirs. The table is not public: of rows
+# other than _PUBLISHED no public text was found that has all of these numbers, and a report says so.
 _OFFICES = {
     "34.1": ("filing, copying", 300, 0.40, 19, 80, None),
     "34.2": ("writing, typing, reading, data processing", 500, 0.60, 19, 80, 150),

@@ -22,7 +22,7 @@ from nocturne_api.operations.images import Images
 from nocturne_api.operations.renders import Renders
 from nocturne_api.places import to_the_end
 
-Kind = Literal["pdf", "html"]
+Kind = Literal["pdf", "html", "json"]
 _MOST_TEXT = 200
 _PANORAMAS = 8
 """Of a group, that are rated for glare."""

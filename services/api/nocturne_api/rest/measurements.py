@@ -81,6 +81,7 @@ async def get_annual(
 
 
 _PDF = {**answers("application/pdf", "The report."), **_OF_ONE}
+_WORDS = {**answers("application/json", "What the report says."), **_OF_ONE}
 _HTML = {**answers("text/html", "The report, one file."), **_OF_ONE}
 # It has its styles inside, and nothing else.
 _OF_HTML = {"Content-Security-Policy": "default-src 'none'; style-src 'unsafe-inline'; img-src data:"}
@@ -102,6 +103,15 @@ async def get_report_pdf(
     """
     content = await operations.reports.make(render_id, "pdf", ReportQuestion(require, task, title))
     return Response(content, headers={"Cache-Control": "no-cache"}, media_type="application/pdf")
+
+
+@router.get("/{render_id}/report.json", response_class=Response, responses=_WORDS)
+async def get_report_words(
+    render_id: str, operations: Service, require: Require = "", task: Task = "", title: Title = ""
+) -> Response:
+    """The same without its drawings: verdict, each limit, tables of text."""
+    content = await operations.reports.make(render_id, "json", ReportQuestion(require, task, title))
+    return Response(content, headers={"Cache-Control": "no-cache"}, media_type="application/json")
 
 
 @router.get("/{render_id}/report.html", response_class=Response, responses=_HTML)
