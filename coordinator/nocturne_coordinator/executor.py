@@ -48,6 +48,8 @@ class Executor:
                 _log.log(instruction.level, "%s", instruction.message)
             case do.RefreshRenders():
                 self.wants_look = True
+            case do.AskTime():
+                return self._clock.moment()
             case do.Publish():
                 return self._dispatcher.publish(instruction.jobs, instruction.quick)
             case do.Withdraw():
@@ -142,6 +144,7 @@ class Executor:
             _log.error("render=%s tile=%d has no bundle: %s", render.id, failed.tile_index, trouble)
 
     def show_ended(self) -> None:
-        """Final images of renders that were cancelled or failed, from committed sums. LeaseLost,
-        sqlite3.Error, OSError."""
-        self._previews.finish_ended(self._clock.moment().unix)
+        """Final images of renders that were cancelled or failed, from committed sums; where they are many,
+        some at each look. LeaseLost, sqlite3.Error, OSError."""
+        if not self._previews.finish_ended(self._clock.moment().unix):
+            self.wants_look = True
