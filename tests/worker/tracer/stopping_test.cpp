@@ -61,7 +61,7 @@ TEST(Stopping, PathsBeyondTheLimitEndAndAreCounted) {
 // Before anything is learned or compared, which takes thousands of samples.
 TEST(Stopping, NoPilotIsMadeOfPathsThatDoNotEnd) {
   EXPECT_THROW(check_that_samples_end(*fog_without_end(), {2, 1}, 1), std::runtime_error);
-  check_that_samples_end(*test::two_photons().load(), {64, 48}, 2);
+  check_that_samples_end(*test::floor_and_lamp(true).load(), {64, 48}, 2);
 }
 
 // Nowhere dense, though it might be dense anywhere: all collisions are null collisions.

@@ -5,6 +5,7 @@ reads mesh files comes later, when nobody has asked for a while: it takes longer
 The process ends when its standard input does: with the API process, however that ends.
 """
 
+import errno
 import importlib
 import os
 import resource
@@ -20,7 +21,7 @@ from contextlib import suppress
 from multiprocessing.connection import Connection
 from pathlib import Path
 
-from nocturne_coordinator.errors import ObjectStoreUnavailable
+from nocturne_coordinator.errors import ObjectStoreUnavailable, StoreUnavailable
 from nocturne_coordinator.store.object_store import ObjectStore
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.compile.compiler import compile_layers, compile_scene
@@ -32,6 +33,12 @@ from nocturne_api.compiling.pool import WARM_SCENE, CompileLimits
 _MEBIBYTE = 1024 * 1024
 
 _IDLE_S = 10.0
+
+_STORAGE = {
+    *(errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO, errno.EACCES, errno.EPERM, errno.EMFILE),
+    *(errno.ENFILE, errno.EFBIG),
+}
+"""What the data folder's disk and its rights say, and not the scene."""
 
 QUICK_CPU_S, QUICK_WALL_S, _GLANCE_S = 0.3, 3.0, 0.05
 """Processor time, or time that mostly a program may have used, for which a scene goes before others; and how
@@ -95,6 +102,10 @@ def _compile(caller: "Connection[object, object]") -> None:
         caller.send(list(error.problems))
     except ObjectStoreUnavailable as error:
         caller.send(error)
+    except OSError as trouble:
+        if trouble.errno not in _STORAGE:
+            raise
+        caller.send(StoreUnavailable(f"the scene can't be written to the data folder: {trouble.strerror}"))
     except MemoryError:
         most = limits.memory_bytes // _MEBIBYTE
         caller.send([Problem("$.scene", f"needs more than {most} MiB to compile")])

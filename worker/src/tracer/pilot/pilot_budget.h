@@ -13,7 +13,7 @@ struct PilotBudget {
   double mean = 0.0;
 };
 
-/// Throws std::runtime_error where half of a few samples take more rays than 2^15: what a pilot
+/// Throws std::runtime_error where half of a few samples take more rays than 2^14: what a pilot
 /// traces would then take minutes, and whether it came to its end would be the machine's to say.
 void check_that_samples_end(Scene& scene, Film film, unsigned threads);
 
