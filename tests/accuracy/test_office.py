@@ -117,7 +117,7 @@ def by_reflection(plate: Plate, meter: tuple[float, float, float]) -> float:
     comes back to the ground once more is a part of 1e-3 of this.
     """
     ground = GROUND.middles()
-    lit = REFLECTANCE * ON_LEVEL * ~plate.hides_sun(ground)
+    lit = np.asarray(REFLECTANCE * ON_LEVEL * ~plate.hides_sun(ground), dtype=np.float64)
     film = Plate((meter[0] - 0.5, meter[1], meter[2] - 0.5), (0, 0, 1), (1, 0, 0), (3, 3)).middles()
     side = plate.normal if (film.mean(axis=0) - np.array(plate.corner)) @ plate.normal > 0 else -plate.normal
     middles = plate.middles()
