@@ -17,6 +17,7 @@ from nocturne_coordinator.output.previews import Previews
 from nocturne_coordinator.queue.dispatcher import Dispatcher
 from nocturne_coordinator.store.database import DatabaseTrouble
 from nocturne_coordinator.store.ledger import Ledger
+from nocturne_coordinator.traces import Traces
 
 _log = logging.getLogger("nocturne_coordinator.coordinator")
 
@@ -31,8 +32,10 @@ class Executor:
         dispatcher: Dispatcher,
         renders: dict[str, RunningRender],
         clock: Clock,
+        traces: Traces,
     ) -> None:
         """`renders`: the core's, whose films are shown."""
+        self._traces = traces
         self._ledger = ledger
         self._previews = previews
         self._dispatcher = dispatcher
@@ -48,8 +51,12 @@ class Executor:
                 _log.log(instruction.level, "%s", instruction.message)
             case do.RefreshRenders():
                 self.wants_look = True
+            case do.AskTime():
+                return self._clock.moment()
             case do.Publish():
-                return self._dispatcher.publish(instruction.jobs, instruction.quick)
+                entries = self._dispatcher.publish(instruction.jobs, instruction.quick)
+                self._traces.published(instruction.jobs)
+                return entries
             case do.Withdraw():
                 self._dispatcher.withdraw(instruction.entries, instruction.stop)
             case do.Acknowledge():
@@ -125,6 +132,7 @@ class Executor:
             crash_point("before-commit")
             lost = self._ledger.commits.commit(list(instruction.commits))
             crash_point("after-commit")
+            self._traces.committed(each for each in instruction.commits if each.render_id not in lost)
         lost += [each for each in self._ledger.leases.lost(instruction.fences) if each not in lost]
         return CommitDone(self._clock.moment(), tuple(lost))
 
@@ -142,6 +150,7 @@ class Executor:
             _log.error("render=%s tile=%d has no bundle: %s", render.id, failed.tile_index, trouble)
 
     def show_ended(self) -> None:
-        """Final images of renders that were cancelled or failed, from committed sums. LeaseLost,
-        DatabaseTrouble, OSError."""
-        self._previews.finish_ended(self._clock.moment().unix)
+        """Final images of renders that were cancelled or failed, from committed sums; where they are many,
+        some at each look. LeaseLost, DatabaseTrouble, OSError."""
+        if not self._previews.finish_ended(self._clock.moment().unix):
+            self.wants_look = True

@@ -34,6 +34,7 @@ from nocturne_coordinator.store.database import DatabaseTrouble
 from nocturne_coordinator.store.databases import server_of
 from nocturne_coordinator.store.ledger import Ledger
 from nocturne_coordinator.store.ownership import LEASE_SECONDS, Ownership
+from nocturne_coordinator.traces import start_traces
 
 EXIT_UNUSABLE = 2
 EXIT_ALREADY_OWNED = 3
@@ -188,6 +189,7 @@ def _seconds(text: str) -> float:
 
 def _run(options: argparse.Namespace, stop: threading.Event) -> None:
     data: Path = options.data
+    traces = start_traces("coordinator")
     folder, ownership = _open(data, options.shared, options.lease_seconds)
     queue = JobQueue(options.redis)
     if options.enrolled:
@@ -224,7 +226,9 @@ def _run(options: argparse.Namespace, stop: threading.Event) -> None:
         alive = Heartbeat(options.alive)
         previews = Previews(folder, ledger, alive)
         clock = Clock(stop)
-        coordinator = Coordinator(folder, ledger, previews, queue, session, settings, clock, event_log)
+        coordinator = Coordinator(
+            folder, ledger, previews, queue, session, settings, clock, event_log, traces
+        )
         signal.signal(signal.SIGHUP, lambda *_: coordinator.look_again())
         coordinator.run(alive)
     finally:
@@ -235,6 +239,7 @@ def _run(options: argparse.Namespace, stop: threading.Event) -> None:
         queue.close()
         ownership.release()
         folder.close()
+        traces.close()
 
 
 def _open(data: Path, shared: bool, lease_seconds: float) -> tuple[DataFolder, Ownership]:

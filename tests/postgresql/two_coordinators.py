@@ -37,7 +37,8 @@ def _with_another() -> Iterator[None]:
             first = start(self, crash_at, *_SHARED, *options)
             if not has_one:
                 start(self, "", *_SHARED, *options)
-                self._others[-1], self._process = self._process, first  # type: ignore[call-overload]
+                assert self._process is not None
+                self._others[-1], self._process = self._process, first
             return first
 
         patch.setattr(Service, "start", start_both)

@@ -282,11 +282,12 @@ class Renders:
 
     def open_cpu_seconds(self) -> float:
         """Processor seconds that queued and running renders should still need, but for those that wait for
-        others: by their forecast, or by what a sample cost so far in all renders."""
+        others: by their forecast, or by what a sample cost so far in all renders. One each at least, so that
+        no render that took longer than forecast is left without a worker."""
         counted = self.counted()
         known = counted["samples"] and counted["cpu_seconds"] / counted["samples"]
         row = self._database.row(
-            f"""SELECT sum(max(0.0, iif(predicted_cpu_seconds > 0.0, predicted_cpu_seconds - cpu_seconds,
+            f"""SELECT sum(max(1.0, iif(predicted_cpu_seconds > 0.0, predicted_cpu_seconds - cpu_seconds,
                     iif(?1 > 0.0, ?1, ?2 * photons_per_sample)
                     * (1.0 * width * height * samples - 1.0 * photons / photons_per_sample)))) AS open
                 FROM render WHERE state IN ('QUEUED', 'RUNNING') AND NOT ({WAITS})""",  # noqa: S608

@@ -60,7 +60,7 @@ class Progress(Answer):
     tiles_failed: int = Field(description="Tiles that were given up after failing on several workers.")
     audited: int = Field(description="Ranges that another worker traced again with the same result.")
     unaudited: int = Field(
-        description="Ranges that were chosen to be traced again, and that no other machine traced."
+        description="Ranges that were chosen to be traced again, and that no other machine has traced by now."
     )
     refused: int = Field(description="Results that were refused because they could not be right.")
     predicted_end: float = Field(

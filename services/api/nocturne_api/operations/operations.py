@@ -1,10 +1,12 @@
 """All operations on one data folder, by resource, and the background work."""
 
+import asyncio
 from pathlib import Path
 from typing import Self
 
 from nocturne_coordinator.store.object_store import ObjectStore
 from nocturne_coordinator.store.quotas import NO_QUOTA, Quota
+from nocturne_coordinator.traces import Traces
 
 from nocturne_api import limits
 from nocturne_api.access import Caller, caller_of
@@ -44,7 +46,9 @@ class Operations:
         webhook_rules: TargetRules,
         storage: StorageLimits,
         price: CoreHourPrice,
+        traces: Traces,
     ) -> None:
+        self._traces = traces
         folder = access.folder
         objects = folder.object_store
         archiver = None if objects is None else Archiver(folder, access.writing, objects)
@@ -61,7 +65,7 @@ class Operations:
             layer_builder,
         ]
 
-        self.renders = Renders(access, compile_limits, garbage_collector, space, layer_builder)
+        self.renders = Renders(access, compile_limits, garbage_collector, space, layer_builder, self._traces)
         self.controls = RenderControls(access)
         self.streams = RenderStreams(access, self.renders)
         self.images = Images(access, self.renders, archiver)
@@ -96,6 +100,7 @@ class Operations:
         quota: Quota = NO_QUOTA,
         storage: StorageLimits | None = None,
         price: CoreHourPrice | None = None,
+        traces: Traces | None = None,
     ) -> Self:
         """Opens the data folder at `path`, making it if need be."""
         access = await FolderAccess.open(path, objects, quota)
@@ -107,6 +112,7 @@ class Operations:
             rules,
             storage or StorageLimits(),
             price or CoreHourPrice(),
+            traces or Traces(),
         )
 
     def check_folder(self) -> None:
@@ -141,3 +147,4 @@ class Operations:
             await task.close()
         self.denoised.close()
         await self._access.close()
+        await asyncio.to_thread(self._traces.close)
