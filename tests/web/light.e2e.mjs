@@ -57,7 +57,7 @@ const checks = {
       assert.match(kind, name.endsWith("PDF") ? /pdf/ : /html/);
     }
     await choose(section.getByRole("combobox", { name: "Requirement" }), "Limits by hand");
-    await type(section.getByLabel("Limits"), "Em=0");
+    await type(section.getByRole("textbox", { name: "Limits" }), "Em=0");
     await page.keyboard.press("Enter");
     await section.getByRole("alert").getByText(/expected/).waitFor();
   },
