@@ -20,6 +20,7 @@ _OF_THE_FILE = {
     "test_a_full_disk_at_the_start": "the folder is made by the program that it starts",
     "test_a_damaged_database_is_replaced": "about checkpoints, which are copies of SQLite's file",
     "test_powercut.py": "about the file's disk",
+    "test_disk_full_in_mid_commit": "about the file's disk",
     "test_looking.py": "counts SQLite's instructions",
     "test_privacy.py": "about the files of SQLite",
     "test_restoring.py": "about checkpoints, which are copies of SQLite's file",

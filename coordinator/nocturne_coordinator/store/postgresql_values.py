@@ -1,5 +1,4 @@
-"""What PostgreSQL's values are here: rows by name or place, texts, whole numbers, and statements as they stand in
-the store."""
+"""PostgreSQL's rows by name or place, its texts and numbers, and statements as the store has them."""
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
