@@ -51,6 +51,8 @@ class Executor:
                 _log.log(instruction.level, "%s", instruction.message)
             case do.RefreshRenders():
                 self.wants_look = True
+            case do.AskTime():
+                return self._clock.moment()
             case do.Publish():
                 entries = self._dispatcher.publish(instruction.jobs, instruction.quick)
                 self._traces.published(instruction.jobs)
@@ -148,6 +150,7 @@ class Executor:
             _log.error("render=%s tile=%d has no bundle: %s", render.id, failed.tile_index, trouble)
 
     def show_ended(self) -> None:
-        """Final images of renders that were cancelled or failed, from committed sums. LeaseLost,
-        DatabaseTrouble, OSError."""
-        self._previews.finish_ended(self._clock.moment().unix)
+        """Final images of renders that were cancelled or failed, from committed sums; where they are many,
+        some at each look. LeaseLost, DatabaseTrouble, OSError."""
+        if not self._previews.finish_ended(self._clock.moment().unix):
+            self.wants_look = True

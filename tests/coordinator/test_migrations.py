@@ -103,6 +103,7 @@ UNDONE = {
         ALTER TABLE webhook_message RENAME COLUMN error_warning TO doubt;
         CREATE TRIGGER webhook_of_render_out_of_reach AFTER UPDATE OF out_of_reach ON render
         BEGIN UPDATE render SET out_of_reach_told = 1 WHERE id = NEW.id; END;""",
+    22: "DROP TABLE session;",
 }
 """What takes back a migration, where there is anything to take back."""
 

@@ -146,6 +146,7 @@ class Renders:
         further = len(new.schedule.further_responses)
         # Forward photons in separate ranges have sums, too, and both together.
         sums = 8 * numbers_in(new.width, new.height, further) * (3 if new.schedule.photon_range_ends else 1)
+        sums += 8 * new.width * new.height * new.schedule.coefficients
         layers = 2 * layers_bytes(new.width, new.height, new.all_layers)
         image = 4 * new.width * new.height * (_EXR_CHANNELS + 2 * further)
         files = (self._blob_here(sha256) for sha256 in new.files)
@@ -281,11 +282,12 @@ class Renders:
 
     def open_cpu_seconds(self) -> float:
         """Processor seconds that queued and running renders should still need, but for those that wait for
-        others: by their forecast, or by what a sample cost so far in all renders."""
+        others: by their forecast, or by what a sample cost so far in all renders. One each at least, so that
+        no render that took longer than forecast is left without a worker."""
         counted = self.counted()
         known = counted["samples"] and counted["cpu_seconds"] / counted["samples"]
         row = self._database.row(
-            f"""SELECT sum(max(0.0, iif(predicted_cpu_seconds > 0.0, predicted_cpu_seconds - cpu_seconds,
+            f"""SELECT sum(max(1.0, iif(predicted_cpu_seconds > 0.0, predicted_cpu_seconds - cpu_seconds,
                     iif(?1 > 0.0, ?1, ?2 * photons_per_sample)
                     * (1.0 * width * height * samples - 1.0 * photons / photons_per_sample)))) AS open
                 FROM render WHERE state IN ('QUEUED', 'RUNNING') AND NOT ({WAITS})""",  # noqa: S608

@@ -138,7 +138,7 @@ def _check_tile(planned: PlannedRender, row: sqlite3.Row) -> None:
     if planned.photon_ranges:
         check_photon_sums(sums, samples)
     # Of a tile from before squares of all quantities were kept, they are not known.
-    elif len(row["sums"]) == 8 * numbers_in(tile.width, tile.height, planned.further):
+    elif len(row["sums"]) >= 8 * numbers_in(tile.width, tile.height, planned.further):
         check_sums(sums, samples * planned.photons_per_sample, planned.signed)
 
 

@@ -9,6 +9,7 @@ from nocturne_coordinator.errors import (
     Conflict,
     ObjectStoreUnavailable,
     QuotaUsedUp,
+    StoreUnavailable,
     WrongState,
 )
 from nocturne_coordinator.store.database import DatabaseUnavailable
@@ -130,6 +131,10 @@ TABLE: tuple[tuple[type[Exception], Kind], ...] = (
     (Overloaded, Kind("OVERLOADED", "Too much at once", 503, grpc.StatusCode.UNAVAILABLE, 5)),
     (
         ObjectStoreUnavailable,
+        Kind("STORE", "The storage does not answer", 503, grpc.StatusCode.UNAVAILABLE, 5),
+    ),
+    (
+        StoreUnavailable,
         Kind("STORE", "The storage does not answer", 503, grpc.StatusCode.UNAVAILABLE, 5),
     ),
     (

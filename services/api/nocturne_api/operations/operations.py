@@ -17,6 +17,7 @@ from nocturne_api.background.space import DiskQuota, StorageLimits
 from nocturne_api.compiling.pool import CompileLimits, prepare
 from nocturne_api.errors import Unauthenticated
 from nocturne_api.models.workers import CoreHourPrice
+from nocturne_api.operations.annual import Annual
 from nocturne_api.operations.assets import Assets
 from nocturne_api.operations.folder_access import FolderAccess
 from nocturne_api.operations.health import Health
@@ -27,6 +28,7 @@ from nocturne_api.operations.readings import LearnedLights, Readings
 from nocturne_api.operations.render_controls import RenderControls
 from nocturne_api.operations.render_streams import RenderStreams
 from nocturne_api.operations.renders import Groups, Renders
+from nocturne_api.operations.reports import Reports
 from nocturne_api.operations.scenes import Imports, Preflights
 from nocturne_api.operations.webhooks import Webhooks
 from nocturne_api.operations.workers import Machines, UsageReports, Workers
@@ -73,6 +75,8 @@ class Operations:
         self.readings = Readings(access, self.renders)
         self.learned_lights = LearnedLights(access, self.renders, compile_limits)
         self.measurements = Measurements(access, self.renders)
+        self.annual = Annual(access, self.renders, compile_limits)
+        self.reports = Reports(access, self.renders, self.images, self.annual, compile_limits)
         self.preflights = Preflights(access, compile_limits)
         self.workers = Workers(access)
         self.usage = UsageReports(access, price)
