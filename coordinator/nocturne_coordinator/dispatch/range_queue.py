@@ -88,6 +88,7 @@ class RangeQueue:
     def __post_init__(self) -> None:
         if self.horizon < 0:
             self.horizon = len(self.states)
+        self.following = self.next()
 
     @property
     def done(self) -> int:
@@ -125,7 +126,7 @@ class RenderQueues:
     """Ranges that are published or held."""
 
     def __post_init__(self) -> None:
-        self.order(frozenset())
+        self._order(frozenset())
 
     def take(self, queues: Sequence[RangeQueue]) -> None:
         """Other ranges in the place of all."""
@@ -135,9 +136,13 @@ class RenderQueues:
 
     def order(self, first: frozenset[int]) -> None:
         """Rebuilds the heap, with these queues before the others."""
+        for queue in self.queues:
+            queue.following = queue.next()
+        self._order(first)
+
+    def _order(self, first: frozenset[int]) -> None:
         self.first, self.ready = first, []
         for number, queue in enumerate(self.queues):
-            queue.following = queue.next()
             if queue.following >= 0:
                 self.ready.append(self._entry(number, queue.following))
         heapify(self.ready)

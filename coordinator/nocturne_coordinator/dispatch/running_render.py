@@ -80,6 +80,7 @@ class RunningRender:
         self._judged_photons = 0
         self.gets_quick_copies = True
         """Until one of them takes too long."""
+        self.audits_open = 0
         self.next_preview = 0.0
         self.next_replan = 0.0
         self.next_figures = 0.0
@@ -160,19 +161,32 @@ class RunningRender:
             for queue, most in zip(self.film.queues, kept, strict=True)
             for index in [each for each in queue.waiting if each >= most]
         ]
+        self._ask_for(row)
+        self.film.replan(self.planned, row.stop)
+        for tile_index in self.failed_tiles:
+            surplus += self.film.give_up(tile_index)
+        for queue in self.film.queues:
+            surplus += queue.close() if queue.closed else []
+        return [each.entry for each in surplus]
+
+    def replanning(self, row: OpenRender) -> Iterator[None]:
+        """The same in steps, between which others may have their turn, of a render that is set aside: all
+        that is merged is committed, and results that wait come again."""
+        self._ask_for(row)
+        for queue in self.film.queues:
+            queue.waiting.clear()
+        yield from self.film.replanning(self.planned, row.stop)
+        for tile_index in self.failed_tiles:
+            self.film.give_up(tile_index)
+
+    def _ask_for(self, row: OpenRender) -> None:
         # Its time of running is counted here.
         self.row = replace(row, ran_seconds=self.row.ran_seconds)
         self.planned = replace(self.planned, schedule=row.schedule)
         self.failed_tiles = {each.tile_index: each for each in row.failed_tiles}
         self._longest.clear()
         self._is_unreachable = False
-        self.film.replan(self.planned, row.stop)
-        for tile_index in self.failed_tiles:
-            surplus += self.film.give_up(tile_index)
-        for queue in self.film.queues:
-            surplus += queue.close() if queue.closed else []
         self._dirty_totals = True
-        return [each.entry for each in surplus]
 
     def range_queues(self) -> list[RangeQueue]:
         """Of tiles, and of forward photons, when all that is merged is committed."""
@@ -417,7 +431,8 @@ class RunningRender:
             self.id,
             self.row.fence,
             TileRows(self.committing, self._whole_row if with_photons else self._row),
-            self.totals,
+            # Open ones are forgotten with the coordinator.
+            replace(self.totals, unaudited=self.totals.unaudited + self.audits_open),
             rate,
             ran_seconds=self.ran_seconds(now),
             tiles_done=self.film.tiles_done,
