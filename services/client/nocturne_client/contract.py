@@ -133,7 +133,7 @@ class Progress:
     audited: int
     """Ranges that another worker traced again with the same result."""
     unaudited: int
-    """Ranges that were chosen to be traced again, and that no other machine traced."""
+    """Ranges that were chosen to be traced again, and that no other machine has traced by now."""
     refused: int
     """Results that were refused because they could not be right."""
     predicted_end: float
