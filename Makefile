@@ -19,7 +19,7 @@ WEB_SOURCES := $(shell find services/web/src services/web/public -type f 2>/dev/
 CPP_SOURCES := $(shell find worker tests/worker bench -name '*.cpp' -o -name '*.h' 2>/dev/null)
 STAMPS := build/stamps
 PROCESSES := --numprocesses
-NOT_MINUTES := not soak and not references and not peers and not containers and not blender and not roots and not slurm
+NOT_MINUTES := not soak and not references and not peers and not containers and not blender and not roots and not slurm and not postgresql
 
 .PHONY: help packages venv proto web worker programs build dist roots slurm containers demo stop test check check-types check-page check-form test-cpp test-page test-services-at-work test-accuracy test-crossings test-coordinator test-services test-scene test-others heaviest format unit system screenshots visit soak accuracy fuzz fuzz-readers crossings references peers blender stability preflights profile sanitize bench lock contract docs reference-pictures gallery clean
 

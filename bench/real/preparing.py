@@ -13,13 +13,15 @@ from pathlib import Path
 import numpy as np
 import OpenImageIO
 
+from bench.real import daylight
+
 PIXELS = 20_000
 """Of a film, about."""
 
 _FILES = ("filename", "file")
 # Colours that were sRGB before they became linear in name.
 _HEX = re.compile(r"#[0-9a-fA-F]{6}")
-_GREY = "grey.png"
+_GREY, _SKY = "grey.png", "daylight.exr"
 
 
 class Unprepared(ValueError):
@@ -35,6 +37,8 @@ def prepared(file: Path) -> tuple[Path, tuple[int, int]]:
         for child in list(parent):
             if _is_missing(child, file.parent):
                 _leave_out(parent, child)
+            elif child.tag == "emitter" and child.get("type") in daylight.KINDS:
+                daylight.as_picture(child, file.with_name(_SKY))
             else:
                 _renew(parent, child)
     for integrator in root.findall("integrator"):
@@ -80,8 +84,8 @@ def _renew(parent: ET.Element, child: ET.Element) -> None:
     elif child.tag == "spectrum" and ":" not in value and len(value.replace(",", " ").split()) == 3:
         child.tag = "rgb"
     elif child.tag == "rgb" and name in ("eta", "k"):
-        # Mitsuba's spectral variants read no more than 1 from three numbers.
-        red, green, blue = value.replace(",", " ").split()
+        # Mitsuba's spectral variants read no more than 1 from three numbers, and nothing from 0.
+        red, green, blue = (max(1e-4, float(each)) for each in value.replace(",", " ").split())
         child.tag = "spectrum"
         child.set("value", f"360:{blue}, 460:{blue}, 550:{green}, 620:{red}, 830:{red}")
     elif child.tag == "blackbody":

@@ -6,7 +6,7 @@ from tests.accuracy.tracing import Document
 from tests.crossings import assets
 from tests.crossings.chance import Point, short, shortened
 from tests.crossings.draft import Draft
-from tests.crossings.kernels import dielectric, kernel
+from tests.crossings.kernels import boundary, dielectric, kernel
 from tests.crossings.lights import lamp
 from tests.crossings.media import medium, smoke
 from tests.crossings.shapes import file_mesh, motion, placed, rotation, standing_box
@@ -27,7 +27,7 @@ def bodies_at(draft: Draft, centre: Point, *, grouped: bool) -> list[Document]:
     if not grouped:
         kinds += [_standing] + ([_smoke] if assets.has_grids() else [])
     if draft.sharp:
-        kinds += [_glass, _glass, _nested, _overlapping, _matched]
+        kinds += [_glass, _glass, _nested, _overlapping, _matched, _between_indices]
     return draft.chance.pick(kinds)(draft, centre)
 
 
@@ -196,6 +196,15 @@ def _nested(draft: Draft, centre: Point) -> list[Document]:
         return [outer, *_inside(draft, centre)]
     inner = placed(draft, centre, 0.25 * RADIUS, closed=True, mapped=True)
     return [outer, inner | {"kernel": dielectric(draft, chance.pick([-1, 1]))}]
+
+
+def _between_indices(draft: Draft, centre: Point) -> list[Document]:
+    """A boundary that bounds no body, around a thing or alone, and perhaps open."""
+    chance = draft.chance
+    draft.situations.add("boundary between two indices")
+    kernel = boundary(draft)
+    found = placed(draft, centre, RADIUS, closed=chance.maybe(0.7), mapped=True) | {"kernel": kernel}
+    return [found, *(_inside(draft, centre) if chance.maybe(0.4) else [])]
 
 
 def _matched(draft: Draft, centre: Point) -> list[Document]:

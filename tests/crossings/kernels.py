@@ -52,6 +52,14 @@ def dielectric(draft: Draft, priority: int | None = None) -> Any:
     return draft.used("kernels", made)
 
 
+def boundary(draft: Draft) -> Any:
+    """A dielectric that has an index on either side, or its name."""
+    made: Document = {"type": "dielectric", "index": index(draft), "outside": index(draft)}
+    if draft.chance.maybe(0.4):
+        made |= _facets(draft)
+    return draft.used("kernels", made)
+
+
 def _facets(draft: Draft) -> Document:
     """Roughness of microfacets, or nothing where they may be polished."""
     chance = draft.chance

@@ -1,8 +1,8 @@
 """What the grammar leaves out, and why: mostly what the compiler refuses with its place."""
 
 KNOWN = {
-    "planets forwards": "with an atmosphere films are not traced from luminaires, and cameras only with "
-    "aims: of photons that start on a ball around the planet none gets to a film",
+    "planets forwards": "with an atmosphere nothing is traced from luminaires: photons of the Sun would "
+    "start on a ball around the planet, in steps of half a metre, and next to none would get to the scene",
     "glow forwards": "meters beside media that glow are traced from the meter: no photon starts in a medium",
     "tilted normals forwards": "meters beside surfaces with normal maps or bump maps are traced from the "
     "meter: a photon from a luminaire does not know from where such a normal is looked at",

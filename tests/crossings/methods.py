@@ -120,8 +120,7 @@ def _other(chance: Chance, document: Document, direction: str) -> Document:
     if chance.maybe(0.5):
         # Refused of photons from luminaires through media.
         made["photons_together"] = chance.pick([1] if direction == "forward" and through_media else [1, 4])
-    if "atmosphere" in document or chance.maybe(0.5):
-        # Else those of the Sun start all around the planet, which is refused.
+    if chance.maybe(0.5):
         made["aimed_emission"] = chance.number(0.1, 0.7)
     return made
 

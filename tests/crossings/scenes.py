@@ -39,6 +39,7 @@ SITUATIONS = (
     "a lamp in two media",
     "a layer ends on a surface",
     "rough boundary of equal index",
+    "boundary between two indices",
     "things around an intensity meter",
 )
 """Situations that had faults, and for which the schema has no field."""
@@ -119,8 +120,9 @@ def _put_range(draft: Draft, document: Document) -> None:
     """Other wavelengths, and what a sensor weighs them by."""
     chance, sensor = draft.chance, document["sensor"]
     ranges = [(280, 400), (300, 830), (200, 2500), (900, 1700)]
-    if '"fluorescence"' in json.dumps(document | draft.named):
-        # Nothing is absorbed and emitted within the others, which is refused.
+    written = json.dumps(document | draft.named)
+    if '"fluorescence"' in written or '"lamp.xml"' in written:
+        # Nothing is absorbed and emitted, or by that lamp, within the others, which is refused.
         ranges = ranges[1:3]
     first, last = chance.pick(ranges)
     document["wavelengths"] = {"first": first, "last": last}

@@ -6,7 +6,7 @@ from tests.crossings.features import all_features, features_of
 from tests.crossings.looking import features
 from tests.crossings.scenes import SITUATIONS, scene
 
-_SEEDS = 500
+_SEEDS = 800
 
 LEFT_OUT = {
     "SceneDocument.note": "text for people",

@@ -67,7 +67,7 @@ class Corrupter:
 class Storm:
     """The possible faults of a service, one after the other."""
 
-    options = OVERDUE_SOON
+    options: tuple[str, ...] = OVERDUE_SOON
     """Of the coordinator."""
 
     def __init__(self, service: Service, chance: random.Random) -> None:

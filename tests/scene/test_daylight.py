@@ -104,6 +104,23 @@ def test_a_compiled_sky_has_the_light_that_was_measured(
     assert expected[:512].argmax() // 256 == pytest.approx(row, abs=4)
 
 
+def test_a_sky_too_dark_for_the_fit_is_even(
+    document: dict[str, Any], compiled: Compile, blobs: BlobStore
+) -> None:
+    """As at an eclipse: the fit gives no direction any light, and the map was not finite."""
+    document["environment"] = {
+        "diffuse_horizontal": 5.025,
+        "direct_normal": 9.366,
+        "place": {"latitude": -12.33, "longitude": 8.0},
+        "time": "2026-03-21T11:00Z",
+    }
+    found = luminances(compiled(document), blobs)
+    above = found[: len(found) // 2]
+    assert above == pytest.approx(np.full(above.shape, above[0, 0]), rel=1e-3)
+    # W/m2 times some 250 lm/W of so dark a sky.
+    assert above[0, 0] * math.pi == pytest.approx(5.025 * 250, rel=0.2)
+
+
 def test_a_standard_sky_by_place_and_time_has_its_sun(document: dict[str, Any], compiled: Compile) -> None:
     document["environment"] = {
         "cie": 12,

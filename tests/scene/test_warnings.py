@@ -103,30 +103,46 @@ def block(low: list[float], high: list[float]) -> dict[str, Any]:
 
 
 @pytest.mark.parametrize(
-    ("one", "other", "crossing"),
+    ("one", "other", "said"),
     [
-        (ball(0), ball(1.5), True),
-        (ball(0), ball(3), False),
-        (ball(0), ball(0.2, 0.5), False),  # a drop within
-        (block([0, 8, 0], [1, 9, 1]), block([0.5, 8.5, 0.5], [2, 9.5, 2]), True),
-        (block([0, 8, 0], [1, 9, 1]), block([1, 8, 0], [2, 9, 1]), False),  # they touch
-        (block([0, 8, 0], [3, 11, 3]), block([1, 9, 1], [2, 10, 2]), False),
-        (block([-3, 9, -3], [3, 9.5, 3]), ball(0), True),
+        (ball(0), ball(1.5), "[1] crosses the body of [0]"),
+        (ball(0), ball(3), None),
+        (ball(0), ball(0.2, 0.5), "[1] is inside of the body of [0]"),  # a drop within
+        (ball(0.2, 0.5), ball(0), "[0] is inside of the body of [1]"),
+        (block([0, 8, 0], [1, 9, 1]), block([0.5, 8.5, 0.5], [2, 9.5, 2]), "[1] crosses the body of [0]"),
+        (block([0, 8, 0], [1, 9, 1]), block([1, 8, 0], [2, 9, 1]), None),  # they touch
+        (block([0, 8, 0], [3, 11, 3]), block([1, 9, 1], [2, 10, 2]), "[1] is inside of the body of [0]"),
+        (block([-3, 9, -3], [3, 9.5, 3]), ball(0), "[1] crosses the body of [0]"),
     ],
 )
-def test_bodies_of_one_priority_that_cross_are_told(
-    document: dict[str, Any], blobs: BlobStore, one: dict[str, Any], other: dict[str, Any], crossing: bool
+def test_bodies_of_one_priority_in_one_place_are_told(
+    document: dict[str, Any], blobs: BlobStore, one: dict[str, Any], other: dict[str, Any], said: str | None
 ) -> None:
     first = len(document["surfaces"])
     document["surfaces"] += [{"shape": one, "kernel": GLASS}, {"shape": other, "kernel": WATER}]
-    told = warnings(document, blobs)
-    assert len(told) == crossing
-    if crossing:
-        assert told[0].startswith(f"$.surfaces[{first + 1}].shape: crosses the body of $.surfaces[{first}]")
+    told = [each.replace(".shape:", "") for each in warnings(document, blobs)]
+    for number in (0, 1):
+        told = [each.replace(f"$.surfaces[{first + number}]", f"[{number}]") for each in told]
+    assert [each.partition(",")[0] for each in told] == ([said] if said else [])
     # It is said which of them is there; and of one kind of glass they are one body.
     document["surfaces"][first + 1]["kernel"] = {**WATER, "priority": 1}
     assert warnings(document, blobs) == []
     document["surfaces"][first + 1]["kernel"] = GLASS
+    assert warnings(document, blobs) == []
+
+
+SHEET = {"type": "disc", "centre": [0, 10, 0], "normal": [0, 1, 0], "radius": 1}
+
+
+@pytest.mark.parametrize("shape", [ball(0.2, 0.5), SHEET])
+def test_boundaries_between_two_indices_are_no_bodies(
+    document: dict[str, Any], blobs: BlobStore, shape: dict[str, Any]
+) -> None:
+    """They may be open, and anywhere."""
+    document["surfaces"] += [
+        {"shape": ball(0), "kernel": GLASS},
+        {"shape": shape, "kernel": {**WATER, "outside": 1.5}},
+    ]
     assert warnings(document, blobs) == []
 
 

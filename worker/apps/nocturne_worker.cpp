@@ -88,9 +88,10 @@ void add_options(CLI::App& app, Arguments& arguments) {
       ->envname("NOCTURNE_THREADS")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
-  app.add_option("--nice", arguments.nice,
-                 "what threads at long jobs add to their nice value: other programs of the machine, "
-                 "and short jobs, go first")
+  app.add_option(
+         "--nice", arguments.nice,
+         "what threads at long jobs add to their nice value: other programs of the machine, "
+         "and short jobs, go first")
       ->check(CLI::Range(0, 19))
       ->capture_default_str();
   app.add_option("--lease-ms", arguments.lease_ms,

@@ -30,7 +30,7 @@ class MergedFilm:
         """`stop` says which tiles end before the schedule does. ValueError if it does not fit the
         schedule. `in_steps`: `building` follows."""
         grid, schedule = render.grid, render.schedule
-        self._own = self._shown = FilmSums.zeros(grid, render.further)
+        self._own = self._shown = FilmSums.zeros(grid, render.further, schedule.coefficients)
         self.counts: Counts = np.zeros((schedule.height, schedule.width), dtype=np.uint32)
         self._tile_counts: list[Counts] = []
         self._shown_samples = 0

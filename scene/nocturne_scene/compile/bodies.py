@@ -70,6 +70,14 @@ def cross(one: Body, other: Body) -> bool:
     return all(other.sides(one.boundary())) or all(one.sides(other.boundary()))
 
 
+def within(one: Body, other: Body) -> bool:
+    """Whether all of one's boundary is inside of the other."""
+    (low, high), (other_low, other_high) = one.box(), other.box()
+    if (low <= other_low).any() or (high >= other_high).any():
+        return False
+    return other.sides(one.boundary()) == (True, False)
+
+
 def winding(corners: Points, points: Points) -> Points:
     """How often triangles turn around points: 1 or -1 inside of a closed body, 0 outside.
 

@@ -10,6 +10,7 @@ from nocturne.v1 import scene_pb2
 
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.compile.atmosphere import atmosphere_surfaces
+from nocturne_scene.compile.daylight_coefficients import DaylightStudy
 from nocturne_scene.compile.environment import has_sky
 from nocturne_scene.compile.fluorescence import fluoresces
 from nocturne_scene.compile.grids import Grids
@@ -37,8 +38,9 @@ from nocturne_scene.document import bounds
 from nocturne_scene.document.checks import MET_BY_PHOTONS
 from nocturne_scene.document.model import SceneDocument
 from nocturne_scene.document.problems import path
+from nocturne_scene.document.sensors import Meters
 from nocturne_scene.document.surfaces import Surface
-from nocturne_scene.errors import InputError, Problem
+from nocturne_scene.errors import InputError, NotFound, Problem
 from nocturne_scene.film import Film
 from nocturne_scene.render_warnings import RenderWarning, from_messages, of_scene
 
@@ -46,7 +48,8 @@ from nocturne_scene.render_warnings import RenderWarning, from_messages, of_scen
 # that of scenes whose sensor tells parts of the light, the third of those with a forward_ratio, the
 # fourth of those whose photons are guided, the fifth of those with other wavelengths than 360 to 830 nm, the
 # sixth of those whose photons know the visible sky, the seventh of those whose responses separate light
-# groups, or that have rays of files, the eighth of those whose responses measure polarisation.
+# groups, or that have rays of files, the eighth of those whose responses measure polarisation, the ninth of
+# those with daylight coefficients.
 (
     FORMAT,
     FORMAT_WITH_PARTS,
@@ -56,7 +59,8 @@ from nocturne_scene.render_warnings import RenderWarning, from_messages, of_scen
     FORMAT_WITH_SKY,
     FORMAT_WITH_LIGHT_GROUPS,
     FORMAT_WITH_STOKES,
-) = range(3, 11)
+    FORMAT_WITH_DAYLIGHT,
+) = range(3, 12)
 
 
 def compile_scene(document: SceneDocument, blobs: BlobStore, film: Film | None = None) -> CompiledOutput:
@@ -68,14 +72,30 @@ def compile_scene(document: SceneDocument, blobs: BlobStore, film: Film | None =
     Equal documents and films give equal bytes. Raises InputError with at most `bounds.PROBLEMS` problems, and
     then leaves nothing behind: blobs are written last, when all of them are there.
     """
+    study = _daylight(document, blobs)
+    if study is not None:
+        document, film = study.document, film and study.film(film)
     workspace = Workspace(document, blobs)
     message, scatters = _compile(workspace, film)
     # After the blobs, which a pilot reads.
     _put_tracing(workspace, message, film, scatters=scatters)
+    if study is not None:
+        study.finish(message)
+        message.format = FORMAT_WITH_DAYLIGHT
     scene_sha256 = blobs.put(message.SerializeToString(deterministic=True))
     warnings = [*of_scene(workspace.warnings), *from_messages(message.tracing.warnings)]
     files = scene_sha256, *sorted(set(blobs_named_in(message)))
     return CompiledOutput(scene_sha256, workspace.dropped, warnings, message.tracing.way, files)
+
+
+def _daylight(document: SceneDocument, blobs: BlobStore) -> DaylightStudy | None:
+    sensor = document.sensor
+    if not isinstance(sensor, Meters) or sensor.daylight is None:
+        return None
+    try:
+        return DaylightStudy(document, sensor.daylight, blobs)
+    except NotFound as error:
+        raise InputError.at("$.sensor.daylight.weather.asset", str(error)) from None
 
 
 def compile_layers(document: SceneDocument, blobs: BlobStore, film: Film, layers: Sequence[str]) -> str:
@@ -210,7 +230,10 @@ def _refuse_photons_of_luminaires(workspace: Workspace, message: scene_pb2.Compi
         told = "photons of distant light can't start in unbounded media"
         _refuse_photons(workspace, told, "forward", "both")
     if has_sky(message) and workspace.document.atmosphere is not None:
-        _refuse_lost_photons(workspace, message)
+        # None would meet a film, and aimed ones start in steps of half a metre: single precision, a planet's
+        # radius away.
+        told = "photons of distant light would start all around the atmosphere's planet"
+        _refuse_photons(workspace, told, "forward", "both")
     if _glows(message) and meter:
         # Media are no luminaires. A camera's own photons count their glow.
         told = "photons can't start where media glow, so that a meter would miss that light"
@@ -235,20 +258,6 @@ def _refuse_photons(workspace: Workspace, told: str, *directions: str) -> None:
     workspace.photons_can_start = False
     if workspace.document.tracing.direction in directions:
         workspace.problems.append(Problem("$.tracing.direction", f'{told}; expected "adjoint"'))
-
-
-def _refuse_lost_photons(workspace: Workspace, message: scene_pb2.CompiledScene) -> None:
-    """Photons of the Sun and the sky start on a disc as large as the planet: none would meet a film, nor what
-    makes a caustic, unless they are aimed at it."""
-    tracing = workspace.document.tracing
-    forward_only = workspace.document.sensor.type in MET_BY_PHOTONS
-    if forward_only:
-        workspace.photons_can_start = False
-    aimed = bool(tracing.aimed_emission) and bool(message.important_shapes)
-    if tracing.direction == "forward" or (tracing.direction == "both" and not aimed):
-        choices = '"adjoint"' if forward_only else '"adjoint", or "aimed_emission" and important directions'
-        told = f"photons of distant light would start all around the atmosphere's planet; expected {choices}"
-        workspace.problems.append(Problem("$.tracing.direction", told))
 
 
 def _all_surfaces(workspace: Workspace, instances: Instances) -> Iterator[tuple[Surface, int, str]]:

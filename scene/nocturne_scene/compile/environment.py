@@ -23,6 +23,9 @@ _SKY_ROWS, _SKY_COLUMNS = 1024, 256
 """Texels of a standard sky. Rows are equal steps of the zenith angle's cosine, so the first one is long: 3.6
 degrees here. With 7.2 degrees (256 rows) a roof light read 0.3 % too much; columns are 1.4 degrees wide."""
 
+_EVEN = 5
+"""The CIE sky of uniform luminance."""
+
 _CONVERSION = 2
 """Number of how pictures become texels; raised with every change of that, since texels are kept."""
 
@@ -71,6 +74,8 @@ def _luminances(sky: StandardSky | WeatherSky, cos_sun: float) -> Floats:
             _SKY_COLUMNS,
         )
         wanted = float(perez_sky.diffuse_illuminance[0])
+        if not np.any(found > 0.0):
+            found = standard_skies.texels(_EVEN, cos_sun, _SKY_ROWS, _SKY_COLUMNS)
     return found * (wanted / standard_skies.illuminance(found))
 
 

@@ -191,6 +191,8 @@ class Leaves:
 
     def _interior(self, kernel: Dielectric) -> scene_pb2.Interior:
         message = scene_pb2.Interior(index=self._index(kernel.index), priority=kernel.priority)
+        if kernel.outside is not None:
+            message.outside = self._index(kernel.outside, ".outside")
         if kernel.absorption is not None:
             found = self._workspace.spectrum(kernel.absorption)
             absorption = spectra.reflectance(found, self._workspace.spectral)
@@ -198,11 +200,11 @@ class Leaves:
                 message.absorption = self._workspace.spectra.index_of(absorption)
         return message
 
-    def _index(self, index: AnyIndex) -> int:
+    def _index(self, index: AnyIndex, place: str = ".index") -> int:
         try:
             return compile_index(self._workspace, index)
         except indices.BadIndexError as error:
-            raise Unusable(str(error), ".index") from None
+            raise Unusable(str(error), place) from None
 
     def _roughness(self, kernel: RoughKernel) -> scene_pb2.Roughness:
         (name_u, alpha_u), (name_v, alpha_v) = kernel.alphas()

@@ -137,7 +137,7 @@ class Kernels:
         if any(interior != interiors[0] for interior in interiors):
             raise Unusable(
                 "blends dielectrics of different bodies; the surface encloses one body, so they must agree "
-                "in index, absorption and priority"
+                "in index, outside, absorption and priority"
             )
         return CompiledKernel(
             self._sum(parts),

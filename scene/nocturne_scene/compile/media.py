@@ -90,6 +90,9 @@ class Media:
         """
         if interior is None:
             return None if body is None else self._workspace.interiors.index_of(body)
+        if body is not None and body.HasField("outside"):
+            with self._workspace.problems_at(place):
+                raise Unusable("the dielectric kernel with its index outside bounds no body; leave this out")
         if body is not None and interior.priority is not None:
             with self._workspace.problems_at(f"{place}.priority"):
                 raise Unusable("the dielectric kernel has a priority of its own; leave this one out")

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from nocturne_scene.blobs import NoteKey
 from nocturne_scene.compile import spectra
-from nocturne_scene.compile.bodies import Body, cross, open_edges, parts, winding
+from nocturne_scene.compile.bodies import Body, cross, open_edges, parts, winding, within
 from nocturne_scene.compile.coarse import coarse
 from nocturne_scene.compile.fine_textures import fine_textures
 from nocturne_scene.compile.placement import placement_of
@@ -134,7 +134,8 @@ def _encloses(document: SceneDocument, surface: Surface) -> bool:
     """Whether it is part of a body's boundary and not closed by its kind."""
     if not isinstance(surface.shape, Quad | Disc | InlineMesh | AssetMesh):
         return False
-    return isinstance(_kernel(document, surface), Dielectric) or surface.interior is not None
+    kernel = _kernel(document, surface)
+    return (isinstance(kernel, Dielectric) and kernel.outside is None) or surface.interior is not None
 
 
 def _kernel(document: SceneDocument, surface: Surface) -> Kernel | None:
@@ -155,7 +156,7 @@ def _crossing_bodies(document: SceneDocument, shapes: Shapes) -> Iterator[str]:
     bodies = []
     for index, surface in enumerate(document.surfaces):
         kernel = _kernel(document, surface)
-        if isinstance(kernel, Dielectric) and surface.motion is None:
+        if isinstance(kernel, Dielectric) and kernel.outside is None and surface.motion is None:
             bodies.append((path(("surfaces", index)), kernel, surface))
     pairs = [
         (one, other)
@@ -168,11 +169,22 @@ def _crossing_bodies(document: SceneDocument, shapes: Shapes) -> Iterator[str]:
             if each not in known:
                 known[each] = _body(shapes, of)
         one_body, other_body = known[place], known[other_place]
-        if one_body is not None and other_body is not None and cross(one_body, other_body):
+        if one_body is None or other_body is None:
+            continue
+        if cross(one_body, other_body):
             yield (
                 f"{other_place}.shape: crosses the body of {place}, and both have the same priority; say by "
                 "their kernels' priorities which of them is there"
             )
+        for inner, outer, is_inner in (
+            (place, other_place, within(one_body, other_body)),
+            (other_place, place, within(other_body, one_body)),
+        ):
+            if is_inner:
+                yield (
+                    f"{inner}.shape: is inside of the body of {outer}, which has the same priority and is "
+                    "there instead; give the kernel of the inner one a higher priority"
+                )
 
 
 def _body(shapes: Shapes, surface: Surface) -> Body | None:

@@ -94,7 +94,10 @@ def _parameters(chosen: NDArray[np.intp], brightness: Floats, z: Floats) -> Floa
 
 
 def relative_luminance(parameters: Floats, cos_zenith: Floats, cos_from_sun: Floats) -> Floats:
-    """Luminances in directions above the horizon, in no unit: see `scale_of`.
+    """Luminances in directions above the horizon, in no unit.
+
+    Of a sky far darker than the Sun beside it (5 W/m2 by the sky and 9 by a Sun in the zenith) the fit is
+    zero or below in all directions: this is zero, and callers take an even sky.
 
     `parameters`: a, b, c, d, e along the last axis, which is dropped; the rest is broadcast.
     """

@@ -59,6 +59,7 @@ def skies_of(year: WeatherYear, patches: Patches, ground_reflectance: float) -> 
         from_sun = np.einsum("ptk,hk->hpt", points, towards[some])
         found = perez.relative_luminance(sky.parameters[some, None, None], points[..., 2], from_sun)
         means = found.mean(axis=-1)
+        means[~np.any(means > 0.0, axis=-1)] = 1.0
         wanted = sky.diffuse_illuminance[some] / np.maximum(means @ cosines, 1e-12)
         luminances[some, 1:] = wanted[:, None] * means
     level = sky.diffuse_illuminance + sky.direct_illuminance * np.maximum(0.0, np.cos(np.radians(zenith)))

@@ -97,10 +97,27 @@ class Dielectric(RoughKernel):
     priority: Annotated[int, Field(strict=True, ge=-bounds.PRIORITY, le=bounds.PRIORITY)] = Field(
         default=0, description="Which of overlapping bodies counts: the one with the highest number."
     )
+    outside: IndexReference | None = Field(
+        default=None,
+        description="Index of refraction on the side that the normal points to, whatever is there. The "
+        "surface is a boundary between two indices then and bounds no body: it may be open, as water in a "
+        "glass is, and has neither `absorption` nor `priority`. Mitsuba's and pbrt's boundaries are such. "
+        "Default: the index of what the body is in.",
+    )
     coating: Layers = Field(
         default=[],
         description="Thin layers between the body and its surroundings, the outermost first. Default: none.",
     )
+
+    @model_validator(mode="after")
+    def _no_body_between_two_indices(self) -> Self:
+        if self.outside is None:
+            return self
+        if self.absorption is not None:
+            raise problem_at(".absorption", "a boundary with an index outside bounds no body; leave this out")
+        if self.priority != 0:
+            raise problem_at(".priority", "a boundary with an index outside bounds no body; leave this out")
+        return self
 
 
 class ThinPane(Node):

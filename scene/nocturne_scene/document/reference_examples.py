@@ -410,6 +410,14 @@ _TEXT = """
     {"name": "eye", "points": [[0, 1.2, 1]], "normal": [0, 0, -1]}
   ]
 }
+# YearOfDaylight sensor
+{
+  "type": "meters",
+  "instruments": [
+    {"name": "floor", "grid": {"corner": [-1, 0.02, 1], "right": [2, 0, 0], "up": [0, 0, -2], "border": 0.2}}
+  ],
+  "daylight": {"of": "sky", "weather": {"asset": "year.epw"}}
+}
 # Bands sensor
 {
   "type": "pinhole",

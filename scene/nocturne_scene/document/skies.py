@@ -158,7 +158,7 @@ class WeatherSky(_Sky):
 
     The sky is that of Perez, Seals and Michalsky (1993), in the light of D65; the disc has sunlight's
     spectrum after 1.5 air masses (ASTM G173-03). Lumens follow from watts by the luminous efficacies of Perez
-    et al. (1990).
+    et al. (1990). Where the fit has no light in any direction, the sky is even.
     """
 
     diffuse_horizontal: Annotated[Finite, Field(gt=0, le=1500)] = Field(

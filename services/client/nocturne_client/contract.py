@@ -182,7 +182,9 @@ class Render:
     render is too small for a pilot.
     """
     sensor: str
-    """Type of the scene's sensor, such as "panorama", of which glare can be rated."""
+    """Type of the scene's sensor, such as "panorama", of which glare can be rated; "daylight" for meters
+    that measure daylight coefficients.
+    """
     guided: bool
     """Whether photons from the sensor are sent to where light was learned to come from."""
     layers: list[str]

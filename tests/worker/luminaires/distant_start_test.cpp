@@ -45,7 +45,10 @@ std::array<double, 2> across(const Frame& frame, Vec3 place) {
   return {dot(away, frame.tangent), dot(away, frame.bitangent)};
 }
 
-double density(const Frame& frame, double x, double y) {
+// Smaller than the scene, and beside its middle.
+constexpr Geometry::Ball kReached{{2, 0.5f, 2.5f}, 2.0f};
+
+double density(const Frame& frame, double x, double y, const Geometry::Ball& whole = kScene) {
   const auto disc = [&](const Vec3 centre, double radius) {
     const auto [u, v] = across(frame, centre);
     const bool inside = (x - u) * (x - u) + (y - v) * (y - v) <= radius * radius;
@@ -56,11 +59,11 @@ double density(const Frame& frame, double x, double y) {
     aimed += aim.weight * disc(aim.centre, aim.radius);
     weights += aim.weight;
   }
-  return (1.0 - kAimed) * disc(kScene.centre, kScene.radius) + kAimed * aimed / weights;
+  return (1.0 - kAimed) * disc(whole.centre, static_cast<double>(whole.radius)) +
+         kAimed * aimed / weights;
 }
 
-TEST(DistantStart, DrawsPlacesByTheirDensity) {
-  const DistantStart start(elements(kAims));
+void expect_its_density(const DistantStart& start, const Geometry::Ball& whole) {
   constexpr int kCells = 40, kParts = 20;
   constexpr double kHalf = 7.0, kCell = 2.0 * kHalf / kCells;
   for (const Vec3 towards : {Vec3{0, 0, 1}, normalized({-1, 2, 0.5f})}) {
@@ -70,7 +73,7 @@ TEST(DistantStart, DrawsPlacesByTheirDensity) {
       const auto drawn = start.sample(towards, kScene, kAimed, numbers(i));
       EXPECT_NEAR(dot(drawn.origin - kScene.centre, towards), kScene.radius, 1e-5f);
       const auto [x, y] = across(frame, drawn.origin);
-      const double claimed = static_cast<double>(drawn.pdf), truth = density(frame, x, y);
+      const double claimed = static_cast<double>(drawn.pdf), truth = density(frame, x, y, whole);
       // But for those at a rim; a radius is half of a box of floats.
       if (i < 1000) {
         EXPECT_NEAR(claimed, truth, 1e-4 * truth);
@@ -84,10 +87,18 @@ TEST(DistantStart, DrawsPlacesByTheirDensity) {
       const double step = kCell / kParts;
       expected[static_cast<std::size_t>(row / kParts * kCells + column / kParts)] +=
           kDraws * step * step *
-          density(frame, (column + 0.5) * step - kHalf, (row + 0.5) * step - kHalf);
+          density(frame, (column + 0.5) * step - kHalf, (row + 0.5) * step - kHalf, whole);
     }
     test::expect_same_counts(observed, expected);
   }
+}
+
+TEST(DistantStart, DrawsPlacesByTheirDensity) {
+  expect_its_density(DistantStart(elements(kAims)), kScene);
+}
+
+TEST(DistantStart, ReachesOnePartOfTheSceneAlone) {
+  expect_its_density(DistantStart(elements(kAims), kReached), kReached);
 }
 
 // A sample at the rim of a small ball far from the scene's middle is never taken for a draw of the
@@ -119,6 +130,9 @@ TEST(DistantStart, WithoutAimsAllOfTheDiscIsAlike) {
   const DistantStart start(elements({}));
   for (std::uint32_t i = 0; i < 100; ++i) {
     EXPECT_FLOAT_EQ(start.sample({0, 1, 0}, kScene, kAimed, numbers(i)).pdf, 1.0f / (kPi * 25.0f));
+    EXPECT_FLOAT_EQ(
+        DistantStart(elements({}), kReached).sample({0, 1, 0}, kScene, kAimed, numbers(i)).pdf,
+        1.0f / (kPi * 4.0f));
   }
 }
 

@@ -26,7 +26,8 @@ float area(const Geometry::Ball& ball) { return kPi * ball.radius * ball.radius;
 
 }  // namespace
 
-DistantStart::DistantStart(const Elements& important) {
+DistantStart::DistantStart(const Elements& important, std::optional<Geometry::Ball> reached)
+    : reached_(reached) {
   const std::size_t count = important.size();
   if (count == 0) return;
   if (count > kMostAims) {
@@ -50,29 +51,31 @@ DistantStart::Start DistantStart::sample(Vec3 towards, const Geometry::Ball& lit
   const auto from = [&](Vec3 from_middle, float pdf) {
     return Start{lit.centre + lit.radius * towards + from_middle, pdf};
   };
-  if (aims_.empty() || !(aimed > 0.0f)) return from(lit.radius * on_disc, 1.0f / area(lit));
-  const auto middle_of = [&](const Aim& aim) {
-    const Vec3 away = aim.ball.centre - lit.centre;
+  const auto middle_of = [&](const Geometry::Ball& ball) {
+    const Vec3 away = ball.centre - lit.centre;
     return away - dot(away, towards) * towards;
   };
+  const Geometry::Ball whole = reached_ ? *reached_ : lit;
+  const Vec3 middle = reached_ ? middle_of(whole) : Vec3{0.0f, 0.0f, 0.0f};
+  Vec3 from_middle = middle + whole.radius * on_disc;
+  if (aims_.empty() || !(aimed > 0.0f)) return from(from_middle, 1.0f / area(whole));
   std::size_t chosen = aims_.size();  // none
-  Vec3 from_middle = lit.radius * on_disc;
   if (u[2] < aimed) {
     chosen = 0;
     for (float rest = u[3]; chosen + 1 < aims_.size() && rest >= aims_[chosen].part; ++chosen) {
       rest -= aims_[chosen].part;
     }
-    from_middle = middle_of(aims_[chosen]) + aims_[chosen].ball.radius * on_disc;
+    from_middle = middle_of(aims_[chosen].ball) + aims_[chosen].ball.radius * on_disc;
   }
   const auto within = [](Vec3 offset, float radius) {
     return dot(offset, offset) <= radius * radius;
   };
-  const bool anywhere = chosen == aims_.size() || within(from_middle, lit.radius);
-  float pdf = anywhere ? (1.0f - aimed) / area(lit) : 0.0f;
+  const bool anywhere = chosen == aims_.size() || within(from_middle - middle, whole.radius);
+  float pdf = anywhere ? (1.0f - aimed) / area(whole) : 0.0f;
   for (std::size_t i = 0; i < aims_.size(); ++i) {
     const Aim& aim = aims_[i];
     // A start drawn at a rim may be rounded off it.
-    if (i == chosen || within(from_middle - middle_of(aim), aim.ball.radius)) {
+    if (i == chosen || within(from_middle - middle_of(aim.ball), aim.ball.radius)) {
       pdf += aimed * aim.part / area(aim.ball);
     }
   }

@@ -16,16 +16,17 @@ namespace nocturne {
 class DistantStart {
  public:
   DistantStart() = default;
-  /// Balls are put around the important shapes, one around all of many.
-  explicit DistantStart(const Elements& important);
+  /// Balls are put around the important shapes, one around all of many. Photons that are not aimed
+  /// reach `reached`, or all of the scene where it is empty.
+  explicit DistantStart(const Elements& important, std::optional<Geometry::Ball> reached = {});
 
   struct Start {
     Vec3 origin;
     /// Of the place across the direction, 1/m2.
     float pdf;
   };
-  /// Of a photon that comes from `towards` (unit, away from the scene). `lit` holds all that it is
-  /// to reach. The part `aimed`, in [0, 1), flies towards a ball, where there are any.
+  /// Of a photon that comes from `towards` (unit, away from the scene). It starts outside of `lit`,
+  /// which holds the scene. The part `aimed`, in [0, 1), flies towards a ball, where there are any.
   Start sample(Vec3 towards, const Geometry::Ball& lit, float aimed, const Uniform4& u) const;
 
  private:
@@ -35,6 +36,7 @@ class DistantStart {
   };
 
   std::vector<Aim> aims_;  // parts add up to one
+  std::optional<Geometry::Ball> reached_;
 };
 
 }  // namespace nocturne

@@ -98,8 +98,10 @@ void PhotonEmitter::add_sphere(std::uint32_t luminaire, const Luminaire& what, c
   add({luminaire, static_cast<float>(area), {}, sphere, {instance, 0}}, what);
 }
 
-void PhotonEmitter::finish(const LightSampler& lights, Geometry::Ball bounds, bool each_group) {
-  distant_start_ = DistantStart(lights.important().elements());
+void PhotonEmitter::finish(const LightSampler& lights, Geometry::Ball bounds, bool each_group,
+                           std::optional<Geometry::Ball> gathering) {
+  distant_start_ = DistantStart(lights.important().elements(), gathering);
+  bounds = gathering.value_or(bounds);
   for (const RaySet& rays : rays_) add(rays.mean_flux(), rays.light_group);
   const double disc_area = std::numbers::pi * bounds.radius * bounds.radius;
   for (const DistantDisc& disc : lights.discs()) {

@@ -55,10 +55,12 @@ class PhotonEmitter {
                   const Geometry& geometry, std::uint32_t instance = Hit::kNoInstance);
   void add_rays(RaySet rays) { rays_.push_back(std::move(rays)); }
   /// After the last element and set of rays. `bounds` is about as large as what distant light is
-  /// emitted towards. Photons start in proportion to flux; where `each_group` is told apart, half
-  /// of them in proportion to it within light groups that have as many each, as a dim group would
-  /// get none.
-  void finish(const LightSampler& lights, Geometry::Ball bounds, bool each_group = false);
+  /// emitted towards, or it is emitted towards `gathering` alone: with photons from the sensor too,
+  /// those of luminaires bring what mirrors and glass gather first. Photons start in proportion to
+  /// flux; where `each_group` is told apart, half of them in proportion to it within light groups
+  /// that have as many each, as a dim group would get none.
+  void finish(const LightSampler& lights, Geometry::Ball bounds, bool each_group = false,
+              std::optional<Geometry::Ball> gathering = {});
 
   /// Time in [0, 1]; eight uniform numbers. The part `aimed` of the photons, in [0, 1), is
   /// drawn towards the important shapes of `lights`, and all carry what that changes. `lit` holds

@@ -121,6 +121,8 @@ std::vector<Vec3> centres(const Sphere& sphere) {
   return all;
 }
 
+}  // namespace
+
 Box whole_box_of(const Shape& shape, const PlacedInstance* instance) {
   return visit_shape(
       shape, [&](const TriangleMesh& mesh) { return box_of(mesh.vertices, instance); },
@@ -134,6 +136,8 @@ Box whole_box_of(const Shape& shape, const PlacedInstance* instance) {
         return box_of(ends, instance);
       });
 }
+
+namespace {
 
 // What float coordinates leave unknown, and what starts a little off a surface.
 float reach_of(const Box& a, const Box& b) {

@@ -21,6 +21,9 @@ struct Bodies {
   const InteriorList& everywhere;
 };
 
+/// A box that holds a shape at all times, null for one that stands in the scene itself.
+Box whole_box_of(const Shape& shape, const PlacedInstance* instance);
+
 /// The bodies around a point: those that are everywhere, and those that a straight line from it
 /// leaves.
 InteriorList bodies_around(const Bodies& bodies, Vec3 position, float time);

@@ -30,6 +30,9 @@ struct Interior {
   bool index_matched = false;
   /// That fill it: indices into the scene's list.
   std::vector<std::uint32_t> media = {};
+  /// Of refraction, on the side that the normal points to, where the surface bounds no body
+  /// (SurfaceMaterial::boundary).
+  Spectrum outside = Spectrum(1.0f);
   /// All of its boundaries are closed shapes: a photon that will meet nothing more is outside.
   bool closed = false;
 };

@@ -259,7 +259,8 @@ LightSampler load_light_sampler(const LoadContext& context,
 
 PhotonEmitter load_emitter(const LoadContext& context, const std::vector<Luminaire>& luminaires,
                            const LightSampler& lights, const Geometry& geometry,
-                           const std::vector<std::uint32_t>& groups, const Sensor& sensor) {
+                           const std::vector<std::uint32_t>& groups, const Sensor& sensor,
+                           std::optional<Geometry::Ball> gathering) {
   PhotonEmitter emitter;
   for (std::uint32_t i = 0; i < luminaires.size(); ++i) {
     const Luminaire& luminaire = luminaires[i];
@@ -284,7 +285,7 @@ PhotonEmitter load_emitter(const LoadContext& context, const std::vector<Luminai
     emitter.add_rays(load_rays(context, message));
   }
   emitter.finish(lights, ball_with_film(geometry.bounds(), sensor, {1, 1}),
-                 groups_told_apart(context) > 0);
+                 groups_told_apart(context) > 0, gathering);
   return emitter;
 }
 

@@ -20,6 +20,7 @@ LightSampler load_light_sampler(const LoadContext& context,
 
 PhotonEmitter load_emitter(const LoadContext& context, const std::vector<Luminaire>& luminaires,
                            const LightSampler& lights, const Geometry& geometry,
-                           const std::vector<std::uint32_t>& groups, const Sensor& sensor);
+                           const std::vector<std::uint32_t>& groups, const Sensor& sensor,
+                           std::optional<Geometry::Ball> gathering);
 
 }  // namespace nocturne

@@ -15,13 +15,14 @@
 #include "scene/load_special_kernels.h"
 #include "scene/load_surfaces.h"
 #include "scene/load_textures.h"
+#include "scene/places.h"
 #include "scene/sensor_extents.h"
 
 namespace nocturne {
 namespace {
 
 /// Of scenes whose responses count parts of the light, which programs before it would not see.
-constexpr std::uint32_t kFormat = 3, kFormatWithRange = 7, kLatestFormat = 10;
+constexpr std::uint32_t kFormat = 3, kFormatWithRange = 7, kLatestFormat = 11;
 // nm, where a scene's wavelengths may lie.
 constexpr double kShortest = 200.0, kLongest = 2500.0;
 // Of one spectrum, so that a scene's size says how much work it makes.
@@ -230,6 +231,32 @@ bool shadow_rays_suffice(const TracingOptions& options,
          });
 }
 
+// Around all surfaces that may keep light together; empty where there are none.
+std::optional<Geometry::Ball> ball_of_gatherers(const Geometry& geometry,
+                                                const std::vector<std::uint32_t>& groups,
+                                                const std::vector<SurfaceMaterial>& materials,
+                                                const std::vector<AnyKernel>& kernels,
+                                                const std::vector<bool>& specular_like) {
+  const auto gathers = [&](std::uint32_t kernel) {
+    return specular_like[kernel] || may_turn_sharply(kernels, kernel);
+  };
+  Box box;
+  const auto shapes = geometry.shapes();
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    if (!gathers(materials[i].front_kernel) && !gathers(materials[i].back_kernel)) continue;
+    for_each_place(geometry, groups[i], [&](const PlacedInstance* instance) {
+      box.add(whole_box_of(shapes[i], instance));
+    });
+  }
+  if (!(box.low.x <= box.high.x)) return std::nullopt;
+  // What single precision rounds off a start far away stays within.
+  const Geometry::Ball all = geometry.bounds();
+  constexpr float kRounding = 0x1p-20f;
+  const Geometry::Ball ball{box.middle(), 0.5f * length(box.high - box.low) +
+                                              kRounding * (all.radius + max_abs(all.centre))};
+  return ball.radius < all.radius ? std::optional(ball) : std::nullopt;
+}
+
 }  // namespace
 
 std::string blob_name(const std::string& sha256) {
@@ -266,6 +293,7 @@ std::shared_ptr<Scene> load_scene(const v1::CompiledScene& message, const FindBl
     const Bodies bodies{geometry, materials, interiors, everywhere};
     const SensorSurroundings sensor_around =
         sensor_surroundings(bodies, loaded.groups, sensor, sensor_start(message.sensor()));
+    auto specular_like = load_specular_like(message, kernels);
     PhotonEmitter emitter;
     std::vector<LuminaireSurroundings> luminaires_around;
     if (options.direction == Direction::kForward) {
@@ -282,10 +310,13 @@ std::shared_ptr<Scene> load_scene(const v1::CompiledScene& message, const FindBl
       const bool distant = lights.environment() || !lights.discs().empty();
       require(!distant || everywhere.empty(),
               "photons of distant light, which can't start in unbounded media");
-      emitter = load_emitter(context, luminaires, lights, geometry, loaded.groups, sensor);
+      emitter = load_emitter(
+          context, luminaires, lights, geometry, loaded.groups, sensor,
+          options.direction == Direction::kBoth
+              ? ball_of_gatherers(geometry, loaded.groups, materials, kernels, specular_like)
+              : std::nullopt);
       luminaires_around = luminaire_surroundings(bodies, loaded.groups, luminaires);
     }
-    auto specular_like = load_specular_like(message, kernels);
     bool has_mirrors = std::ranges::find(specular_like, true) != specular_like.end();
     for (std::uint32_t i = 0; i < kernels.size(); ++i) {
       has_mirrors = has_mirrors || may_turn_sharply(kernels, i);

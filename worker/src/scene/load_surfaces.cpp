@@ -93,8 +93,13 @@ std::vector<Interior> load_interiors(const LoadContext& context) {
          absorbs,
          interior.priority(),
          interior.index_matched(),
-         {interior.media().begin(), interior.media().end()}});
-    require(interiors.back().index.least() >= 1e-3f, "an index of refraction below 0.001");
+         {interior.media().begin(), interior.media().end()},
+         interior.has_outside() ? context.spectrum(interior.outside()) : Spectrum(1.0f)});
+    require(interiors.back().index.least() >= 1e-3f && interiors.back().outside.least() >= 1e-3f,
+            "an index of refraction below 0.001");
+    require(!interior.has_outside() || !(absorbs || interior.index_matched() ||
+                                         interior.media_size() > 0 || interior.priority() != 0),
+            "a boundary between two indices that bounds a body");
     for (const std::uint32_t medium : interiors.back().media) {
       require(medium < static_cast<std::uint32_t>(message.media_size()),
               "a medium index out of range");
@@ -144,7 +149,8 @@ std::vector<SurfaceMaterial> load_materials(const LoadContext& context,
     if (surface.has_interior()) {
       require(surface.interior() < static_cast<std::uint32_t>(context.message.interiors_size()),
               "an interior index out of range");
-      material.interior = surface.interior();
+      const auto& interior = context.message.interiors(static_cast<int>(surface.interior()));
+      (interior.has_outside() ? material.boundary : material.interior) = surface.interior();
     }
     if (surface.has_normal_map() || surface.has_bump_map()) material.bump_map = bump_maps++;
     material.index_matched_only =

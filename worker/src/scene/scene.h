@@ -30,6 +30,9 @@ struct SurfaceMaterial {
   std::uint32_t front_kernel = 0, back_kernel = 0;
   std::uint32_t luminaire = kNone;
   std::uint32_t interior = kNone;
+  /// The interior whose index and `outside` are on its two sides, whatever is around: it bounds no
+  /// body.
+  std::uint32_t boundary = kNone;
   std::uint32_t bump_map = kNone;
   /// One of its kernels has a delta lobe, or it bounds a body and may be no boundary at all,
   /// between equal indices or within a body of higher priority: photons may pass or be mirrored.

@@ -51,6 +51,8 @@ class SceneWriter:
     _names: dict[str, int] = field(default_factory=dict)
     """Names that are taken, each with the last number that was tried behind it."""
     _copied: dict[Path, str] = field(default_factory=dict)
+    boxes: dict[str, NDArray[np.float64]] = field(default_factory=dict)
+    """Of meshes by the names of their files: lowest and highest corner."""
     _unseen: set[str] = field(default_factory=set)
     """Meshes none of whose triangles has an area."""
 
@@ -71,6 +73,8 @@ class SceneWriter:
             raise InputError.at(wanted, "coordinates of the mesh are not finite, or too large")
         name = f"meshes/{self._unused(wanted, 'meshes')}.ply"
         self.file(name, shapes.ply(mesh))
+        if len(mesh.vertices):
+            self.boxes[name] = np.stack([mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)])
         if len(mesh.indices) and not np.any(has_area(mesh.vertices.astype(np.float32), mesh.indices)):
             self._unseen.add(name)
         return {"type": "mesh", "asset": name, "smooth": mesh.normals is not None}

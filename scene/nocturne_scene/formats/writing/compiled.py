@@ -43,6 +43,8 @@ class Body:
     index: Table | None
     """None: that of the surroundings."""
     media: tuple[Medium, ...]
+    outside: Table | None = None
+    """The index on the other side, where the surface bounds no body."""
 
     @property
     def is_empty(self) -> bool:
@@ -113,7 +115,8 @@ class Compiled:
             isotropic = scene_pb2.PhaseFunction(henyey_greenstein=scene_pb2.HenyeyGreenstein(g=0.0))
             media.append(Medium(self._coefficient(interior.absorption, 1.0), Table(np.zeros(1)), isotropic))
         index = None if interior.index_matched else self.table(interior.index)
-        return Body(index, tuple(media))
+        outside = self.table(interior.outside) if interior.HasField("outside") else None
+        return Body(index, tuple(media), outside)
 
     def _medium(self, medium: scene_pb2.Medium, place: str) -> Medium:
         if medium.HasField("temperature"):
@@ -227,10 +230,12 @@ class Compiled:
         return any("texture" in str(self.message.kernels[index]) for index in kernels)
 
     def bodies(self) -> Iterator[Placed]:
-        """Surfaces that enclose something, as often as they are in the scene."""
+        """Surfaces that enclose something, as often as they are in the scene; boundaries between two indices
+        do not."""
         in_groups: dict[int, list[int]] = {}
+        bodies = [not each.HasField("outside") for each in self.message.interiors]
         for at, surface in enumerate(self.message.surfaces):
-            if surface.HasField("interior"):
+            if surface.HasField("interior") and bodies[surface.interior]:
                 in_groups.setdefault(surface.group, []).append(at)
         frames = [(0, np.eye(3, 4))]
         frames += [(each.group, self.placement(each)) for each in self.message.instances]

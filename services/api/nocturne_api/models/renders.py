@@ -182,7 +182,8 @@ class Render(Answer):
         "open, or the render is too small for a pilot."
     )
     sensor: str = Field(
-        description='Type of the scene\'s sensor, such as "panorama", of which glare can be rated.'
+        description='Type of the scene\'s sensor, such as "panorama", of which glare can be rated; '
+        '"daylight" for meters that measure daylight coefficients.'
     )
     guided: bool = Field(
         description="Whether photons from the sensor are sent to where light was learned to come from."

@@ -39,9 +39,10 @@ std::optional<LearnedAt> learned_at(const Scene& scene, Film film, std::uint32_t
       if (cell != LearnedLight::kNone) found.cones = learned.cones(cell);
       return found;
     }
-    const bool bounds_body =
-        scene.materials[vertex->hit.surface].interior != SurfaceMaterial::kNone;
-    if (*wi != -vertex->wo || bounds_body) ++passed;
+    const SurfaceMaterial& material = scene.materials[vertex->hit.surface];
+    const bool is_boundary =
+        material.interior != SurfaceMaterial::kNone || material.boundary != SurfaceMaterial::kNone;
+    if (*wi != -vertex->wo || is_boundary) ++passed;
     line.continue_along(*wi);
   }
   return std::nullopt;

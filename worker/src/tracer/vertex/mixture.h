@@ -54,6 +54,7 @@ void draw_from_mixture(Batch& batch, Group<N>& group, const Vertex<N>& vertex, c
     const Spectral<N> pdf = survival * (weights.kernel * there.pdf + others);
     on.weight *= ratio(there.value, pdf);
     on.mis.technique = MisTechnique::kNone;
+    on.mis.worth = worth_outside(batch, on);
   };
   if (part < weights.kernel) return for_each_draw(batch, group, vertex, kernel, numbers, weigh);
   Draw<N> draw;
@@ -96,6 +97,7 @@ void split(Batch& batch, Group<N>& group, const Vertex<N>& vertex, const Kernel&
           return squares > 0.0f ? v * p / (survival * squares) : 0.0f;
         },
         there.value, there.pdf);
+    on.mis.worth = worth_outside(batch, on);
   };
   for (int drawn_by = 1; drawn_by <= (uniform ? 2 : 1); ++drawn_by) {
     PhotonSequence sequence = group.sequence.branch(static_cast<std::uint32_t>(drawn_by));

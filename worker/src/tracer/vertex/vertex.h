@@ -131,6 +131,12 @@ bool complete(const Scene& scene, const Contacts& contacts, const Group<N>& grou
     vertex.shading.index_from = index_in(scene, around, vertex.shading.wavelengths);
     vertex.shading.index_to = vertex.shading.index_from;
   }
+  if (material.boundary != SurfaceMaterial::kNone) {
+    const Interior& between = scene.interiors[material.boundary];
+    const Spectral<N>& wavelengths = vertex.shading.wavelengths;
+    vertex.shading.index_from = (vertex.front ? between.outside : between.index)(wavelengths);
+    vertex.shading.index_to = (vertex.front ? between.index : between.outside)(wavelengths);
+  }
   if (material.needs_detail) set_shading_frame(scene, material, group, time, vertex.front, vertex);
   vertex.wo = vertex.frame.to_local(-group.ray.direction);
   return true;

@@ -10,6 +10,7 @@ from nocturne_scene.formats.mitsuba.read.emitters import add_emitter
 from nocturne_scene.formats.mitsuba.read.sensors import add_integrator, add_sensor
 from nocturne_scene.formats.mitsuba.read.shapes import add_shape
 from nocturne_scene.formats.mitsuba.read.tree import SceneTree
+from nocturne_scene.formats.reading.boundaries import between_indices
 from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.formats.reading.options import ImportOptions
 from nocturne_scene.formats.reading.scene_files import SceneFiles
@@ -49,6 +50,7 @@ def import_mitsuba(file: Path, writer: SceneWriter, findings: Findings, options:
             surfaces, instances = context.crowds.written()
             writer.document |= {"surfaces": surfaces} if surfaces else {}
             writer.document |= {"instances": instances} if instances else {}
+    between_indices(writer, findings)
     if context.hides_emitters:
         _hide_emitters(writer.document)
     if "sensor" not in writer.document:

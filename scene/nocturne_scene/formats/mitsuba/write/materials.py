@@ -101,8 +101,9 @@ class _Sides:
         index = self._body.index if self._body is not None else None
         inside = 1.0 if index is None else self._constant(index)
         found = self._faceted("dielectric", dielectric.roughness)
+        outside = self._body.outside if self._body is not None else None
         parameter(found, "int_ior", inside)
-        parameter(found, "ext_ior", 1.0)
+        parameter(found, "ext_ior", 1.0 if outside is None else self._constant(outside))
         return found
 
     def _pane(self, pane: scene_pb2.ThinPane) -> Element:

@@ -12,6 +12,7 @@ from nocturne_scene.formats.pbrt.read.reader import Directive, Reader, RecordedS
 from nocturne_scene.formats.pbrt.read.shapes import add_surface, gathered
 from nocturne_scene.formats.pbrt.read.upgrade import upgrade
 from nocturne_scene.formats.reading import transforms
+from nocturne_scene.formats.reading.boundaries import between_indices
 from nocturne_scene.formats.reading.findings import Findings
 from nocturne_scene.formats.reading.options import ImportOptions
 from nocturne_scene.formats.reading.scene_files import SceneFiles
@@ -216,3 +217,4 @@ def import_pbrt(file: Path, writer: SceneWriter, findings: Findings, options: Im
     for add in context.later:
         with findings.leaving_out():
             add()
+    between_indices(writer, findings)

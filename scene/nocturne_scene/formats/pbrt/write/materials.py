@@ -122,9 +122,7 @@ class _Maker:
                 n, k = (spectrum(name, self._table(at)) for name, at in (("eta", metal.n), ("k", metal.k)))
                 return ["conductor", n, k, *self._roughness(metal.roughness)]
             case "dielectric":
-                inside = self._body.index if self._body is not None else None
-                index = _index(Table(np.ones(1)) if inside is None else inside)
-                return ["dielectric", index, *self._roughness(kernel.dielectric.roughness)]
+                return ["dielectric", self._ratio(), *self._roughness(kernel.dielectric.roughness)]
             case "thin_pane":
                 if self._table(kernel.thin_pane.transmittance).constant != 1.0:
                     self._lost("a pane that absorbs is not supported by pbrt")
@@ -138,6 +136,18 @@ class _Maker:
             case model:
                 self._lost(f"the kernel {model} is not supported by pbrt")
         return ["diffuse"]
+
+    def _ratio(self) -> str:
+        """Of the index inside to that outside, which is all that pbrt's boundaries know."""
+        inside = self._body.index if self._body is not None else None
+        outside = self._body.outside if self._body is not None else None
+        found = Table(np.ones(1)) if inside is None else inside
+        if outside is None:
+            return _index(found)
+        if found.constant is None or outside.constant is None:
+            self._lost("a boundary between two indices that depend on wavelength is not supported by pbrt")
+            return _index(found)
+        return real("eta", found.constant / outside.constant)
 
     def _coated(self, coated: scene_pb2.CoatedDiffuse) -> list[str]:
         self._context.findings.note(
