@@ -1,5 +1,5 @@
-"""An office, its window and the Sun on meters, each by defaults: what a lighting engineer found by programs of
-the engineer's own, and closed forms. Each number lies within the interval that the image itself gives.
+"""An office, its window and the Sun on meters, each by defaults: what a lighting engineer found by own
+programs, and closed forms. Each number lies within the interval that the image itself gives.
 
 The engineer's ratings of glare are in test_glare.py. Two of the engineer's values are estimates, as the notes
 on them say: of these the part that can be known is asked for here.

@@ -107,7 +107,7 @@ SUBJECTS = (
         "Cameras show luminance; meters read illuminance and intensity. A scene has one sensor.",
         (
             *("Pinhole", "ThinLens", "Aperture", "Orthographic", "Panorama", "IrradianceMeter"),
-            *("RadianceMeter", "IntensityMeter", "Meters", "Instrument", "MeterGrid", "Bands"),
+            *("RadianceMeter", "IntensityMeter", "Meters", "Instrument", "MeterGrid", "Faces", "Bands"),
         ),
     ),
     Subject(
@@ -229,6 +229,7 @@ SHOWN_WITH = {
     "Aperture": "ThinLens",
     "Instrument": "Meters",
     "MeterGrid": "Meters",
+    "Faces": "Meters",
     "Mixture": "Tracing",
 }
 """Types that are seen in the example of another."""

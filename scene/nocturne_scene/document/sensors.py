@@ -288,13 +288,13 @@ class IntensityMeter(_AnySensor):
 
 
 class Meters(_AnySensor):
-    """Illuminance meters at points and on grids, several in one render. A pixel is one of them: Y is the
-    illuminance in lx.
+    """Illuminance meters at points, on grids and on faces of surfaces, several in one render. A pixel is one
+    of them: Y is the illuminance in lx.
 
-    The film's size follows from the instruments: grids lie below one another, each as its plan, points side
-    by side. Pixels to their right measure what the last meter left of them does. Photons from luminaires do
-    not meet points, so light that glass or mirrors gather is found from the meters alone; and meters share
-    nothing, whatever `sharing` says.
+    The film's size follows from the instruments: grids lie below one another, each as its plan, points and
+    faces side by side. Pixels to their right measure what the last meter left of them does. Photons from
+    luminaires do not meet points, so light that glass or mirrors gather is found from the meters alone; and
+    meters share nothing, whatever `sharing` says.
     """
 
     type: Literal["meters"]

@@ -131,6 +131,10 @@ def _points(sensor: Meters) -> Points:
     for instrument, (left, top) in zip(sensor.instruments, corners, strict=True):
         if instrument.name == sensor.outdoor:
             continue
+        if instrument.faces is not None:
+            raise NocturneClientError(
+                f'the instrument "{instrument.name}" is on faces; daylight of a year is of points and grids'
+            )
         kept.append(instrument)
         columns = instrument.size[0]
         for index, place in enumerate(places_of(instrument)):
