@@ -221,8 +221,8 @@ def _is_right(service: Service, render_id: str) -> bool:
 
 
 def test_liars_leave_the_bits_or_the_render_says_so(service: Service) -> None:
-    """S3, L1, L5: liars and failing memory among all the other faults, two honest workers beside them. What
-    is wrong in the end says that not all of it was audited, or why it is DEGRADED."""
+    """S3: liars and failing memory among all the other faults, two honest workers beside them. What is wrong
+    in the end says that not all of it was audited, or why it is DEGRADED."""
     seed = int(os.environ.get("SOAK_SEED", random.SystemRandom().randrange(2**32)))
     print(f"SOAK_SEED={seed}")  # noqa: T201 - to run it again
     chance = random.Random(seed)

@@ -63,11 +63,14 @@ class PlannedRender:
 
     def kept_in(self, schedule: job_pb2.RangeSchedule) -> list[int]:
         """Per queue, how many of its first ranges another schedule of the render has, too."""
+        if schedule == self.schedule:
+            of_photons = [len(self.photon_ranges)] * (self.queues - self.grid.count)
+            return [len(self.ranges)] * self.grid.count + of_photons
         of_tiles = _same(self.schedule.range_ends, schedule.range_ends)
         photons = [_same(self.schedule.photon_range_ends, schedule.photon_range_ends)]
         return [of_tiles] * self.grid.count + photons * (self.queues - self.grid.count)
 
-    @property
+    @cached_property
     def photon_index(self) -> int:
         """Index of the queue of forward photons, after those of tiles."""
         return self.grid.count

@@ -145,8 +145,10 @@ class RunningRender:
 
     def can_replan(self, row: OpenRender) -> bool:
         """Whether all that is merged is of ranges that the row's schedule has, too."""
-        kept = self.planned.kept_in(row.schedule)
         now = self.planned.schedule
+        if row.schedule == now:
+            return True
+        kept = self.planned.kept_in(row.schedule)
         if kept[0] >= len(now.range_ends) and kept[-1] >= len(now.photon_range_ends):
             # Nothing was taken away: no need to look at each of many tiles.
             return True
@@ -449,13 +451,14 @@ class RunningRender:
         return bool(self._photon_entries) and is_due
 
     def _row(self, index: int) -> TileRow:
-        film = self.film
-        row = TileRow(index, film.samples(index), b"", self._invalid_samples[index], film.error_before(index))
-        if index == self.planned.photon_index:
+        film, is_tile = self.film, index != self.planned.photon_index
+        own = film.tile_bytes(index) if is_tile and index in self._dirty else b""
+        sums = own if film.forward is None else b""
+        row = TileRow(
+            index, film.samples(index), sums, self._invalid_samples[index], film.error_before(index)
+        )
+        if film.forward is None or not is_tile:
             return row
-        own = film.tile_bytes(index) if index in self._dirty else b""
-        if film.forward is None:
-            return replace(row, sums=own)
         samples = film.samples_shown(index) or row.samples
         return replace(row, samples=samples, sums=film.shown_bytes(index), own=own)
 
