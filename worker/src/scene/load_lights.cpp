@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "scene/blob_file.h"
+#include "scene/bodies_around.h"
 #include "scene/load_kernels.h"
 #include "scene/load_mesh.h"
 #include "scene/load_surfaces.h"
@@ -255,6 +256,31 @@ LightSampler load_light_sampler(const LoadContext& context,
         {static_cast<float>(t.weight_luminaires()), static_cast<float>(t.weight_environment()),
          static_cast<float>(t.weight_important())});
   });
+}
+
+std::optional<Geometry::Ball> ball_of_gatherers(const Geometry& geometry,
+                                                const std::vector<std::uint32_t>& groups,
+                                                const std::vector<SurfaceMaterial>& materials,
+                                                const std::vector<AnyKernel>& kernels,
+                                                const std::vector<bool>& specular_like) {
+  const auto gathers = [&](std::uint32_t kernel) {
+    return specular_like[kernel] || may_turn_sharply(kernels, kernel);
+  };
+  Box box;
+  const auto shapes = geometry.shapes();
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    if (!gathers(materials[i].front_kernel) && !gathers(materials[i].back_kernel)) continue;
+    for_each_place(geometry, groups[i], [&](const PlacedInstance* instance) {
+      box.add(whole_box_of(shapes[i], instance));
+    });
+  }
+  if (!(box.low.x <= box.high.x)) return std::nullopt;
+  // What single precision rounds off a start far away stays within.
+  const Geometry::Ball all = geometry.bounds();
+  constexpr float kRounding = 0x1p-20f;
+  const Geometry::Ball ball{box.middle(), 0.5f * length(box.high - box.low) +
+                                              kRounding * (all.radius + max_abs(all.centre))};
+  return ball.radius < all.radius ? std::optional(ball) : std::nullopt;
 }
 
 PhotonEmitter load_emitter(const LoadContext& context, const std::vector<Luminaire>& luminaires,

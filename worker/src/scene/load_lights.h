@@ -18,6 +18,13 @@ LightSampler load_light_sampler(const LoadContext& context,
                                 const std::vector<Luminaire>& luminaires, const Geometry& geometry,
                                 const std::vector<std::uint32_t>& groups);
 
+/// Around all surfaces that may keep light together; empty where there are none.
+std::optional<Geometry::Ball> ball_of_gatherers(const Geometry& geometry,
+                                                const std::vector<std::uint32_t>& groups,
+                                                const std::vector<SurfaceMaterial>& materials,
+                                                const std::vector<AnyKernel>& kernels,
+                                                const std::vector<bool>& specular_like);
+
 PhotonEmitter load_emitter(const LoadContext& context, const std::vector<Luminaire>& luminaires,
                            const LightSampler& lights, const Geometry& geometry,
                            const std::vector<std::uint32_t>& groups, const Sensor& sensor,
