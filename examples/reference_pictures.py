@@ -87,6 +87,7 @@ def _stage() -> Document:
             },
             _strips(),
             {
+                "name": "wall",
                 "shape": {"type": "quad", "corner": [-2, 0, -2], "edge_u": [4, 0, 0], "edge_v": [0, 3, 0]},
                 "kernel": {"type": "lambertian", "reflectance": 0.4},
             },

@@ -1,4 +1,5 @@
-"""Meters at points: planes, cylinders, half cylinders, domes, spheres and fluence, against closed forms.
+"""Meters at points and on faces: planes, cylinders, half cylinders, domes, spheres and fluence, against
+closed forms.
 
 Readings are of several seeds, by Student's t with their scatter.
 """
@@ -112,6 +113,52 @@ def test_fluence_before_a_wall_and_the_mean_chord(tmp_path: Path) -> None:
     mean = float(np.dot(shares, [reading.mean for reading in found]))
     # Five nodes along each axis are enough for 2e-3.
     assert mean == pytest.approx(pi * luminance * 2.0 / 3.0, rel=4e-3)
+
+
+def test_faces_of_a_box_around_a_lamp(tmp_path: Path) -> None:
+    """From inside: I cos / d^2 in the middles of its six sides, which have other distances each; and on the
+    mean over points that stand for equal areas the lamp's flux over the whole area, as all of it arrives."""
+    low, high = [-1.0, -1.5, -2.0], [2.0, 1.0, 1.5]
+    box = {"name": "box", "shape": {"type": "box", "minimum": low, "maximum": high}, "kernel": BLACK}
+    lamp = {
+        "shape": sphere([0.0, 0.0, 0.0], 0.001),
+        "kernel": BLACK,
+        "luminaire": {"radiance": {"illuminant": "D65"}, "lumens": LUMENS},
+    }
+    sides = {"surface": "box", "side": "back"}
+    sensor = _meters(
+        {"name": "sides", "faces": {**sides, "count": 6}},
+        {"name": "spread", "faces": {**sides, "count": 1200, "spread": True}},
+    )
+    document = {"nocturne": 1, "sensor": sensor, "surfaces": [box, lamp]}
+    image = Measurement(document, tmp_path, 1200, 2).image(256).y
+    middle, half = (np.array(low) + high) / 2, (np.array(high) - low) / 2
+    for index in range(6):
+        axis, sign = index // 2, 1.0 if index % 2 else -1.0
+        place = middle.copy()
+        place[axis] += sign * half[axis]
+        towards = sign * place[axis] / np.linalg.norm(place)
+        truth = LUMENS / (4.0 * pi) * towards / float(place @ place)
+        assert image[0, index] == pytest.approx(truth, rel=0.01)
+    a, b, c = 2.0 * half
+    assert float(image[1].mean()) == pytest.approx(LUMENS / (2.0 * (a * b + b * c + c * a)), rel=5e-3)
+
+
+def test_faces_of_a_mesh_file_under_an_even_sky(tmp_path: Path) -> None:
+    """A roof of two slopes: E_h (1 + cos t) / 2 at a tilt of t, where the sky is even and the ground dark."""
+    (tmp_path / "roof.obj").write_text(
+        "v 0 0 0\nv 3 0 0\nv 3 3 3\nv 0 3 3\nv 0 0 5\nv 3 0 5\nf 1 3 2\nf 1 4 3\nf 4 6 3\nf 4 5 6\n"
+    )
+    document = {
+        "nocturne": 1,
+        "sensor": _meters({"name": "roof", "faces": {"surface": "roof", "count": 4}}),
+        "surfaces": [{"name": "roof", "shape": {"type": "mesh", "asset": "roof.obj"}, "kernel": BLACK}],
+        "environment": {"cie": 5, "illuminance": 10000},
+    }
+    image = Measurement(document, tmp_path, 4, 1).image(1024).y
+    slopes = [3.0 / hypot(3.0, 3.0)] * 2 + [2.0 / hypot(3.0, 2.0)] * 2
+    for found, cosine in zip(image[0], slopes, strict=True):
+        assert found == pytest.approx(10000.0 * (1.0 + cosine) / 2.0, rel=0.02)
 
 
 def test_a_grid_is_its_plan(tmp_path: Path) -> None:

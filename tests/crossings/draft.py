@@ -23,6 +23,8 @@ class Draft:
     glass gather is met by chance alone from the sensor, and no number of samples that a test can pay shows
     a method that is wrong."""
     named: dict[str, dict[str, Any]] = field(default_factory=dict)
+    under_meters: list[Document] = field(default_factory=list)
+    """Surfaces on whose faces meters are."""
     situations: set[str] = field(default_factory=set)
     """What the schema has no word for, see SITUATIONS in scenes.py."""
 

@@ -72,7 +72,8 @@ def scene(seed: int) -> Scene:
     width, height = chance.pick(_FILMS)
     document: Document = {"nocturne": 1, "name": f"crossing {seed}", "surfaces": []}
     document["sensor"] = sensor = _sensor(draft, (width, height), room=room)
-    height += sum("points" in each for each in sensor.get("instruments", []))
+    height += any("grid" not in each for each in sensor.get("instruments", []))
+    document["surfaces"] += draft.under_meters
     meter = sensor["type"] == "intensity_meter"
     alone = not meter or chance.maybe(0.6)
     if meter:

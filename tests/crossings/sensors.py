@@ -5,6 +5,7 @@ from typing import Any
 from tests.accuracy.tracing import Document
 from tests.crossings.chance import Point, shortened
 from tests.crossings.draft import Draft
+from tests.crossings.kernels import wall
 from tests.crossings.shapes import motion
 from tests.crossings.spectra import coefficient
 
@@ -72,8 +73,8 @@ def film(draft: Draft, *, far: bool = False) -> Document:
 
 
 def meters(draft: Draft, width: int, height: int) -> Document:
-    """On a grid in the air, as large as a film, of one body, and perhaps at a point, in one row more; keeps
-    clear of bodies."""
+    """On a grid in the air, as large as a film, of one body, and perhaps in one row more at a point and on a
+    plate; keeps clear of bodies."""
     chance = draft.chance
     position, _ = chance.pick(_FILMS)
     corner = shortened([position[0] - 0.2, position[1] + 0.05, position[2] + 0.1])
@@ -89,13 +90,42 @@ def meters(draft: Draft, width: int, height: int) -> Document:
     instruments = [made]
     more: Document = {}
     if chance.maybe(0.4):
-        instruments.append({"name": "above", "points": [shortened([corner[0], corner[1] + 0.3, corner[2]])]})
+        above: Document = {"name": "above", "points": [shortened([corner[0], corner[1] + 0.3, corner[2]])]}
+        if chance.maybe(0.5):
+            above["normals"] = [chance.near([0.2, 1.0, 0.3], 0.3)]
+        instruments.append(above)
         if chance.maybe(0.5):
             more["outdoor"] = "above"
+    if chance.maybe(0.5):
+        instruments.append(_on_plate(draft, corner))
     sensor: Document = {"type": "meters", "instruments": instruments}
     if body == "plane":
         more["colour"] = True
     return sensor | more | _reading(draft) | _moving(draft, corner)
+
+
+def _on_plate(draft: Draft, corner: Point) -> Document:
+    """Meters on faces of a plate of three triangles in the air, which becomes a surface of the scene."""
+    chance = draft.chance
+    plate: Document = {
+        "type": "mesh",
+        "vertices": [[0, 0, 0], [0.2, 0.02, 0], [0.2, 0, -0.2], [0, 0.02, -0.2], [-0.1, 0, -0.1]],
+        "triangles": [[0, 1, 2], [0, 2, 3], [0, 3, 4]],
+    }
+    surface: Document = {"name": "plate", "shape": plate, "kernel": wall(draft)}
+    draft.under_meters.append(
+        surface | {"translate": shortened([corner[0] + 0.1, corner[1] + 0.1, corner[2]])}
+    )
+    faces: Document = {"surface": "plate", "count": chance.whole(1, 2)}
+    if chance.maybe(0.4):
+        faces["spread"] = chance.maybe(0.8)
+    elif chance.maybe(0.5):
+        faces["first"] = chance.whole(0, 1)
+    if chance.maybe(0.5):
+        faces["side"] = chance.pick(["front", "back"])
+    if chance.maybe(0.3):
+        faces["distance"] = chance.number(0.001, 0.01)
+    return {"name": "plate", "faces": faces}
 
 
 def intensity(draft: Draft, centre: Point, radius: float) -> Document:

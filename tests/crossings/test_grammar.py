@@ -11,7 +11,6 @@ _SEEDS = 800
 LEFT_OUT = {
     "SceneDocument.note": "text for people",
     "SceneDocument.source": "text for people",
-    "Surface.name": "text for people",
     "Instance.name": "text for people",
     "Measured.format=merl": "a file of 35 MB; it becomes the table that is there",
     "Tracing.seed": "each method has eight",

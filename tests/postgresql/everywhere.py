@@ -17,10 +17,16 @@ from tests.postgresql.server import PostgresServer
 _OF_THE_FILE = {
     "test_a_folder_of_another_version_is_refused": "changes SQLite's user_version; test_database.py too",
     "test_migrations.py": "about SQLite's own migrations; test_database.py compares the schemas",
+    "test_a_full_disk_at_the_start": "the folder is made by the program that it starts",
+    "test_a_damaged_database_is_replaced": "about checkpoints, which are copies of SQLite's file",
+    "test_powercut.py": "about the file's disk",
+    "test_disk_full_in_mid_commit": "about the file's disk",
     "test_looking.py": "counts SQLite's instructions",
     "test_privacy.py": "about the files of SQLite",
     "test_restoring.py": "about checkpoints, which are copies of SQLite's file",
-    "test_readiness.py::test_who_can_not_write": "locks SQLite's file",
+    "test_a_locked_database_is_told_of": "locks SQLite's file; test_database.py too",
+    "test_a_create_hears_soon_that_the_database_is_locked": "locks SQLite's file",
+    "test_one_that_was_stopped_beyond_its_lease_merges_nothing_twice": "asks SQLite's file for its lock",
 }
 
 

@@ -15,7 +15,13 @@ from tests.system.forked import Forked
 
 _SHARED = ("--shared", "--lease-seconds", "1.0")
 
-_OF_ONE_ALONE: dict[str, str] = {}
+_CRASHES = "waits for its own coordinator to crash in mid-commit, and the other may have the render"
+_OF_ONE_ALONE = {
+    "test_coordinator_killed": _CRASHES,
+    "test_a_killed_coordinator_is_replaced_at_once": _CRASHES,
+    "test_coordinator_in_a_crash_loop": _CRASHES,
+    "test_second_coordinator_is_refused": "about coordinators that do not share",
+}
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

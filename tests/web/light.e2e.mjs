@@ -9,13 +9,15 @@ import { checkLooks, choose, launch, openPage, type } from "./browser.mjs";
 
 const given = JSON.parse(process.env.NOCTURNE_E2E);
 const open = (page, id) => page.goto(`${given.url}/#/renders/${encodeURIComponent(id)}`);
+/** A report takes seconds, and many on a busy machine. */
+const patience_ms = 240_000;
 const look = (page, name) => checkLooks(page, name, given.screenshots);
 
 const checks = {
   async "a year of daylight begins with its verdict, and is counted again by keyboard"(page) {
     await open(page, given.year);
     const section = page.getByRole("region", { name: "A year of daylight" });
-    await section.getByText(/^sDA [\d.]+\s% \([\d.]+ to [\d.]+\), P\(sDA ≥ 55\s%\) [=<>] [\d.]+$/).waitFor();
+    await section.getByText(/^sDA [\d.]+\s% \([\d.]+ to [\d.]+\), P\(sDA ≥ 55\s%\) [=<>] [\d.]+$/).waitFor({ timeout: patience_ms });
     await section.getByText(/^ASE /).waitFor();
     await section.getByRole("img", { name: /by day of the year/ }).waitFor();
     await section.getByRole("img", { name: /^DA at the points of plane, %/ }).waitFor();
@@ -38,10 +40,10 @@ const checks = {
   async "a room's result comes first, with a report"(page) {
     await open(page, given.room);
     const section = page.getByRole("region", { name: "Result" });
-    await section.getByRole("columnheader", { name: /U0/ }).first().waitFor();
+    await section.getByRole("columnheader", { name: /U0/ }).first().waitFor({ timeout: patience_ms });
     await choose(section.getByRole("combobox", { name: "Requirement" }), "EN 12464-1, 34.2 writing, typing, reading");
     await section.getByRole("button", { name: "Show the result" }).press("Enter");
-    await section.getByRole("rowheader", { name: /^Em, / }).waitFor();
+    await section.getByRole("rowheader", { name: /^Em, / }).waitFor({ timeout: patience_ms });
     await section.locator(".verdict strong").getByText(/^(Holds|Does not hold|Open)$/).waitFor();
     await look(page, "result");
     for (const name of ["Report as PDF", "Report as HTML"]) {
@@ -55,7 +57,7 @@ const checks = {
       assert.match(kind, name.endsWith("PDF") ? /pdf/ : /html/);
     }
     await choose(section.getByRole("combobox", { name: "Requirement" }), "Limits by hand");
-    await type(section.getByLabel("Limits"), "Em=0");
+    await type(section.getByRole("textbox", { name: "Limits" }), "Em=0");
     await page.keyboard.press("Enter");
     await section.getByRole("alert").getByText(/expected/).waitFor();
   },

@@ -6,21 +6,17 @@ by the next call (decision 0190).
 """
 
 import os
-import re
 import socket
 import sys
 import threading
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
-from decimal import Decimal
-from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 import psycopg
 from nocturne_scene.errors import NocturneError
-from psycopg.types.numeric import Int8Dumper, NumericBinaryLoader
-from psycopg.types.string import StrDumper
+from psycopg.types.numeric import Int8Dumper
 
 from nocturne_coordinator.errors import UnusableFolder
 from nocturne_coordinator.store.database import (
@@ -33,7 +29,8 @@ from nocturne_coordinator.store.database import (
     Values,
 )
 from nocturne_coordinator.store.migrate import MIGRATIONS, missing
-from nocturne_coordinator.store.sqlite import check_room
+from nocturne_coordinator.store.postgresql_values import Number, Words, casefold, numbered, rows_of
+from nocturne_coordinator.store.sqlite import check_room, identity
 
 OLDEST_VERSION = 14
 
@@ -43,9 +40,6 @@ _WAIT_SECONDS = 30.0
 # Keys of advisory locks; within one database the second number is free for our own.
 _FAMILY = 0x6E6F6374
 _WRITING, _WORKING, _STARTING = 1, 2, 3
-
-_CASELESS = 0x20000
-"""From this code point on there are no letters with cases."""
 
 _SETTINGS: dict[str, Any] = {
     "connect_timeout": 10,
@@ -75,57 +69,6 @@ class PostgresFault(DatabaseTrouble):
     """What PostgreSQL refuses, and would again."""
 
 
-class _Row:
-    """Values by name or place, and in their order."""
-
-    __slots__ = ("_places", "_values")
-
-    def __init__(self, places: dict[str, int], values: Sequence[Any]) -> None:
-        self._places, self._values = places, values
-
-    def __getitem__(self, key: str | int, /) -> Any:
-        return self._values[key if isinstance(key, int) else self._places[key]]
-
-    def __iter__(self) -> Iterator[Any]:
-        return iter(self._values)
-
-    def keys(self) -> Iterable[str]:
-        return self._places.keys()
-
-
-def _rows_of(cursor: "psycopg.Cursor[Any] | psycopg.RawCursor[Any]") -> Any:
-    places = {column.name: place for place, column in enumerate(cursor.description or ())}
-    return lambda values: _Row(places, values)
-
-
-class _Words(StrDumper):
-    """PostgreSQL's texts have no zero bytes; a worker's message may."""
-
-    def dump(self, obj: str) -> Any:
-        return super().dump(obj.replace("\0", "\ufffd") if "\0" in obj else obj)
-
-
-class _Number(NumericBinaryLoader):
-    """Sums of whole numbers are whole numbers."""
-
-    def load(self, data: Any) -> Any:
-        number: Decimal = super().load(data)
-        return int(number) if number.as_tuple().exponent == 0 else float(number)
-
-
-@lru_cache(maxsize=1024)
-def _numbered(statement: str) -> bytes:
-    """`?` and `?2` as PostgreSQL has them, `$1` and `$2`."""
-    count = 0
-
-    def place(found: "re.Match[str]") -> str:
-        nonlocal count
-        count += 1
-        return f"${found[1] or count}"
-
-    return re.sub(r"\?(\d*)", place, statement).encode()
-
-
 class PostgresDatabase(Database):
     """One connection that writes, shared by the threads of a process under a lock; for readers more."""
 
@@ -133,6 +76,7 @@ class PostgresDatabase(Database):
         """`server`: a connection string of libpq. Raises PostgresTrouble, and UnusableFolder if a newer
         program wrote the database, or the server is too old."""
         self._root, self._server = root, server
+        self._folder = identity(root)
         self._lock = threading.RLock()
         self._writer = 0
         """The thread that is inside a transaction."""
@@ -154,16 +98,16 @@ class PostgresDatabase(Database):
             connection = psycopg.connect(
                 self._server,
                 autocommit=True,
-                row_factory=_rows_of,
+                row_factory=rows_of,
                 cursor_factory=psycopg.RawCursor,
                 context=None,
                 application_name=name[:63],
                 options=" ".join(f"-c {key}={value}" for key, value in options.items()),
                 **_SETTINGS,
             )
-        for kind, dumper in ((str, _Words), (int, Int8Dumper)):
+        for kind, dumper in ((str, Words), (int, Int8Dumper)):
             connection.adapters.register_dumper(kind, dumper)
-        connection.adapters.register_loader("numeric", _Number)
+        connection.adapters.register_loader("numeric", Number)
         return connection
 
     def _own(self) -> "psycopg.Connection[Any]":
@@ -193,7 +137,7 @@ class PostgresDatabase(Database):
             number = int(row["number"] or 0) if row is not None else 0
             for each, text in missing(number, self._server_name, MIGRATIONS / "postgresql"):
                 if not number:
-                    self._run(_casefold())
+                    self._run(casefold())
                 number = each
                 self._run(text)
                 self.execute("INSERT INTO schema_version VALUES (?)", (each,))
@@ -265,13 +209,13 @@ class PostgresDatabase(Database):
 
     def execute(self, statement: str, values: Values = ()) -> int:
         with self._writing() as connection:
-            changed = connection.execute(_numbered(statement), values).rowcount
+            changed = connection.execute(numbered(statement), values).rowcount
             self._changed |= changed > 0
             return changed
 
     def execute_many(self, statement: str, rows: Iterable[Values]) -> None:
         with self._writing() as connection, connection.cursor() as cursor:
-            cursor.executemany(_numbered(statement), rows)
+            cursor.executemany(numbered(statement), rows)
             self._changed |= cursor.rowcount > 0
 
     @contextmanager
@@ -290,9 +234,9 @@ class PostgresDatabase(Database):
             # A change that gives rows.
             with self._writing() as connection:
                 self._changed = True
-                return connection.execute(_numbered(query), values, binary=True).fetchall()
+                return connection.execute(numbered(query), values, binary=True).fetchall()
         with self._reading(query) as connection, _trouble():
-            return connection.execute(_numbered(query), values, binary=True).fetchall()
+            return connection.execute(numbered(query), values, binary=True).fetchall()
 
     def row(self, query: str, values: Values = ()) -> Row | None:
         found = self.rows(query, values)
@@ -313,8 +257,14 @@ class PostgresDatabase(Database):
             connection.close()
 
     def check_place(self) -> None:
-        if not self._root.is_dir():
-            raise FolderGone(f"{self._root} was moved away while the service works on it; move it back")
+        try:
+            is_here = identity(self._root) == self._folder
+        except OSError:
+            is_here = False
+        if not is_here:
+            raise FolderGone(
+                f"{self._root} was moved away or replaced while the service works on it; move it back"
+            )
 
     def lock(self) -> FolderLock:
         return _ServerLock(self._connect())
@@ -395,16 +345,3 @@ def _trouble() -> Iterator[None]:
 
 def _writes(query: str) -> bool:
     return not query.lstrip().startswith("SELECT")
-
-
-def _casefold() -> str:
-    """Python's str.casefold as a function, as people search in words of any alphabet."""
-    folds = {chr(code): chr(code).casefold() for code in range(_CASELESS)}
-    one = {each: fold for each, fold in folds.items() if fold != each and len(fold) == 1}
-    folded = "$1"
-    for each, fold in folds.items():
-        if len(fold) > 1:
-            folded = f"replace({folded}, '{each}', '{fold}')"
-    return f"""CREATE FUNCTION casefold(text) RETURNS text LANGUAGE sql IMMUTABLE AS $function$
-        SELECT CASE WHEN octet_length($1) = length($1) THEN lower($1 COLLATE "C")
-        ELSE translate({folded}, '{"".join(one)}', '{"".join(one.values())}') END $function$"""

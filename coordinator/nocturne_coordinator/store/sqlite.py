@@ -42,7 +42,7 @@ class SqliteDatabase(Database):
         try:
             self._prepare(path)
             # One in memory has no file.
-            self._file = _identity(path) if path.exists() else None
+            self._file = identity(path) if path.exists() else None
         except BaseException as trouble:
             self._connection.close()
             # An operational error (full, locked, not to be written) passes; any other of SQLite's is damage.
@@ -189,7 +189,7 @@ class SqliteDatabase(Database):
         if self._file is None:
             return
         try:
-            is_here = _identity(self._path) == self._file
+            is_here = identity(self._path) == self._file
         except OSError:
             is_here = False
         if not is_here:
@@ -216,6 +216,7 @@ def check_room(folder: Path) -> None:
         os.fsync(probe.fileno())
 
 
-def _identity(path: Path) -> tuple[int, int]:
+def identity(path: Path) -> tuple[int, int]:
+    """Tells a file or folder from another one in its place."""
     status = path.stat()
     return status.st_dev, status.st_ino

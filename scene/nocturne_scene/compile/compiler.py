@@ -12,6 +12,7 @@ from nocturne_scene.blobs import BlobStore
 from nocturne_scene.compile.atmosphere import atmosphere_surfaces
 from nocturne_scene.compile.daylight_coefficients import DaylightStudy
 from nocturne_scene.compile.environment import has_sky
+from nocturne_scene.compile.faces import with_faces_found
 from nocturne_scene.compile.fluorescence import fluoresces
 from nocturne_scene.compile.grids import Grids
 from nocturne_scene.compile.instances import Instances
@@ -126,6 +127,8 @@ def _message(workspace: Workspace, film: Film | None) -> tuple[scene_pb2.Compile
     message = scene_pb2.CompiledScene(format=FORMAT_WITH_PARTS if tells_parts else FORMAT)
     textures, grids, instances = Textures(workspace), Grids(workspace), Instances(workspace)
     shapes, media = Shapes(workspace, grids), Media(workspace, grids)
+    with workspace.problems_at("$.sensor"):
+        with_faces_found(workspace, shapes)
     workspace.frame = frame_of(workspace, shapes)
     kernels, lights = Kernels(workspace, textures), Lights(workspace, textures, shapes)
     with workspace.problems_at("$.sensor"):

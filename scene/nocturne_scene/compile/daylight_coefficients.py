@@ -57,12 +57,15 @@ _MOST_BYTES = 4e9
 
 
 def points_of(sensor: Meters) -> Points:
-    """The points of a room: all but the meters outdoors."""
+    """The points of a room: all but the meters outdoors. Raises InputError."""
     (width, height), corners = sensor.layout()
     names, places, pixels, kept = [], [], [], []
     for instrument, (left, top) in zip(sensor.instruments, corners, strict=True):
         if instrument.name == sensor.outdoor:
             continue
+        if instrument.faces is not None:
+            told = f'"{instrument.name}" is on faces; daylight of a year is of points and grids'
+            raise InputError.at("$.sensor.instruments", told)
         columns, rows = instrument.size
         kept.append(daylight_points.Instrument(instrument.name, columns, rows, instrument.grid is not None))
         for index, place in enumerate(places_of(instrument)):

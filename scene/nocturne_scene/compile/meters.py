@@ -75,12 +75,11 @@ def _numbers(values: Any) -> list[float]:
 
 
 def _meters(instrument: Instrument, centre: _Values) -> Iterator[scene_pb2.Meter]:
-    axis = _unit(np.array(instrument.axis()))
-    facing = np.array(instrument.facing or (0.0, 0.0, 0.0))
-    if instrument.facing is None:
-        facing = np.eye(3)[int(np.abs(axis).argmin())]
-    facing = _unit(facing - (facing @ axis) * axis)
-    for place in places_of(instrument):
+    places = places_of(instrument)
+    frames = [_frame(instrument, np.array(axis)) for axis in instrument.axes()]
+    for place, (axis, facing) in zip(
+        places, frames if len(frames) > 1 else frames * len(places), strict=True
+    ):
         yield scene_pb2.Meter(
             place=_along_pose(np.array(place) - centre),
             normal=_along_pose(axis),
@@ -90,8 +89,17 @@ def _meters(instrument: Instrument, centre: _Values) -> Iterator[scene_pb2.Meter
         )
 
 
+def _frame(instrument: Instrument, axis: _Values) -> tuple[_Values, _Values]:
+    """Unit vectors along an axis, and across it to where the middle of half a cylinder faces."""
+    axis = _unit(axis)
+    facing = np.array(instrument.facing or (0.0, 0.0, 0.0))
+    if instrument.facing is None:
+        facing = np.eye(3)[int(np.abs(axis).argmin())]
+    return axis, _unit(facing - (facing @ axis) * axis)
+
+
 def places_of(instrument: Instrument) -> list[list[float]]:
-    """Of each of its meters, m, row by row from the upper left one."""
+    """Of each of its meters, m, row by row from the upper left one; faces are points by then (faces.py)."""
     if instrument.grid is None:
         return [list(each) for each in instrument.points or ()]
     first, across, down = _cells(instrument.grid)

@@ -1,4 +1,4 @@
-"""Illuminance meters at points and on grids, as written in a scene document."""
+"""Illuminance meters at points, on grids and on faces of surfaces, as written in a scene document."""
 
 import math
 from typing import Annotated, Literal, Self
@@ -6,7 +6,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from nocturne_scene.document import bounds
-from nocturne_scene.document.fields import Finite, Name, Vector
+from nocturne_scene.document.fields import Finite, Name, PositiveLength, Switch, Text, Vector
 from nocturne_scene.document.node import Node, problem_at
 from nocturne_scene.document.shapes import length, parallel
 
@@ -61,8 +61,41 @@ class MeterGrid(Node):
         return columns, rows
 
 
+class Faces(Node):
+    """Faces of a surface, each with a meter in its middle; or points spread evenly over the whole surface.
+
+    A mesh's faces are its triangles, in the mesh's order; a box has six, a quad and a disc are one. Spheres
+    have none.
+    """
+
+    surface: Text = Field(
+        description="Name of a surface of `$.surfaces` that is at rest, and that no other one has."
+    )
+    count: _Count = Field(description="How many meters there are.")
+    first: Annotated[int, Field(strict=True, ge=0)] = Field(
+        default=0, description="Number of the first face, from 0; the next ones follow."
+    )
+    spread: Switch = Field(
+        default=False,
+        description="`true`: each meter stands for the same part of the surface's area, whatever its faces "
+        "are, so that the mean reading is that of the surface.",
+    )
+    side: Literal["front", "back"] = Field(
+        default="front", description="`front`: the side that the faces' normals point to."
+    )
+    distance: PositiveLength = Field(
+        default=1e-4, description="From a face to its meter, m; more than what rounding moves surfaces."
+    )
+
+    @model_validator(mode="after")
+    def _has_a_use(self) -> Self:
+        if self.spread and self.first:
+            raise problem_at(".first", "points that are spread over a surface have no first face")
+        return self
+
+
 class Instrument(Node):
-    """Meters of one kind, at `points` or on a `grid`.
+    """Meters of one kind, at `points`, on a `grid` or on `faces`.
 
     What a body measures is the mean of what planes on its surface would (EN 12665:2018); under an even
     luminance L all get pi L, but for the fluence rate, 4 pi L.
@@ -73,6 +106,10 @@ class Instrument(Node):
         default=None, description="Where, m."
     )
     grid: MeterGrid | None = Field(default=None, description="Where, instead of `points`.")
+    faces: Faces | None = Field(default=None, description="Where, instead of `points`.")
+    normals: Annotated[list[Vector], Field(min_length=1, max_length=bounds.METERS)] | None = Field(
+        default=None, description="A normal for each of `points`, instead of one `normal` for all of them."
+    )
     measures: Measures = Field(
         default="plane",
         description="`plane`: on one side of a plane, as at an eye; `cylindrical`: around an axis (E_z of "
@@ -82,7 +119,7 @@ class Instrument(Node):
     normal: Vector | None = Field(
         default=None,
         description="Of the plane or of the dome's base; of cylinders the axis. Default: of a grid "
-        "`right` x `up`, of points and of cylinders y.",
+        "`right` x `up`, of faces their own normals, of points and of cylinders y.",
     )
     facing: Vector | None = Field(
         default=None, description="Only for `semicylindrical`: the direction that its middle faces."
@@ -90,27 +127,46 @@ class Instrument(Node):
 
     @model_validator(mode="after")
     def _is_whole(self) -> Self:
-        if (self.points is None) == (self.grid is None):
-            raise problem_at(".points", "expected either points or grid")
+        if sum(where is not None for where in (self.points, self.grid, self.faces)) != 1:
+            raise problem_at(".points", "expected one of points, grid and faces")
         if self.normal is not None and length(self.normal) < bounds.MIN_LENGTH:
             raise problem_at(".normal", "has no length")
+        self._check_normals()
         if (self.facing is not None) != (self.measures == "semicylindrical"):
             raise problem_at(".facing", 'expected together with "semicylindrical", and only then')
-        if self.facing is not None and parallel(self.facing, self.axis()):
+        if self.facing is not None and any(parallel(self.facing, axis) for axis in self.axes()):
             raise problem_at(".facing", "is parallel to the axis")
         return self
+
+    def _check_normals(self) -> None:
+        if self.normals is None:
+            return
+        if self.points is None or len(self.normals) != len(self.points):
+            raise problem_at(".normals", "expected one for each of points")
+        if self.normal is not None:
+            raise problem_at(".normals", "expected either normal or normals")
+        for index, normal in enumerate(self.normals):
+            if length(normal) < bounds.MIN_LENGTH:
+                raise problem_at(f".normals[{index}]", "has no length")
+
+    def axes(self) -> list[tuple[float, float, float]]:
+        """Normals or axes of any length: one for each of its meters, or one for all of them."""
+        return list(self.normals) if self.normals else [self.axis()]
 
     def axis(self) -> tuple[float, float, float]:
         """The normal or axis, of any length."""
         if self.normal is not None:
             return self.normal
+        # Those of faces are known once these are.
         if self.grid is None or self.measures in ("cylindrical", "semicylindrical"):
             return (0.0, 1.0, 0.0)
         (a, b, c), (x, y, z) = self.grid.right, self.grid.up
         return (b * z - c * y, c * x - a * z, a * y - b * x)
 
     def middle(self) -> tuple[float, float, float]:
-        """Of the grid, or of the box around the points, m."""
+        """Of the grid, or of the box around the points, m; of faces the origin, as they are found later."""
+        if self.faces is not None:
+            return (0.0, 0.0, 0.0)
         if self.grid is None:
             x, y, z = (0.5 * (min(axis) + max(axis)) for axis in zip(*(self.points or ()), strict=True))
             return (x, y, z)
@@ -120,5 +176,7 @@ class Instrument(Node):
 
     @property
     def size(self) -> tuple[int, int]:
-        """Columns and rows of pixels; points are one row."""
-        return self.grid.cells() if self.grid else (len(self.points or ()), 1)
+        """Columns and rows of pixels; points and faces are one row."""
+        if self.grid is not None:
+            return self.grid.cells()
+        return (self.faces.count if self.faces else len(self.points or ()), 1)

@@ -407,7 +407,8 @@ _TEXT = """
   "type": "meters",
   "instruments": [
     {"name": "floor", "grid": {"corner": [-1, 0.02, 1], "right": [2, 0, 0], "up": [0, 0, -2], "border": 0.2}},
-    {"name": "eye", "points": [[0, 1.2, 1]], "normal": [0, 0, -1]}
+    {"name": "eye", "points": [[0, 1.2, 1]], "normal": [0, 0, -1]},
+    {"name": "wall", "faces": {"surface": "wall", "count": 16, "spread": true}}
   ]
 }
 # YearOfDaylight sensor

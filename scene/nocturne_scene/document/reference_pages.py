@@ -107,7 +107,7 @@ SUBJECTS = (
         "Cameras show luminance; meters read illuminance and intensity. A scene has one sensor.",
         (
             *("Pinhole", "ThinLens", "Aperture", "Orthographic", "Panorama", "IrradianceMeter"),
-            *("RadianceMeter", "IntensityMeter", "Meters", "Instrument", "MeterGrid"),
+            *("RadianceMeter", "IntensityMeter", "Meters", "Instrument", "MeterGrid", "Faces"),
             *("YearOfDaylight", "WeatherFile", "Bands"),
         ),
     ),
@@ -231,6 +231,7 @@ SHOWN_WITH = {
     "Instrument": "Meters",
     "MeterGrid": "Meters",
     "WeatherFile": "YearOfDaylight",
+    "Faces": "Meters",
     "Mixture": "Tracing",
 }
 """Types that are seen in the example of another."""

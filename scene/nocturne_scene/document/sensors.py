@@ -289,13 +289,13 @@ class IntensityMeter(_AnySensor):
 
 
 class Meters(_AnySensor):
-    """Illuminance meters at points and on grids, several in one render. A pixel is one of them: Y is the
-    illuminance in lx.
+    """Illuminance meters at points, on grids and on faces of surfaces, several in one render. A pixel is one
+    of them: Y is the illuminance in lx.
 
-    The film's size follows from the instruments: grids lie below one another, each as its plan, points side
-    by side. Pixels to their right measure what the last meter left of them does. Photons from luminaires do
-    not meet points, so light that glass or mirrors gather is found from the meters alone; and meters share
-    nothing, whatever `sharing` says.
+    The film's size follows from the instruments: grids lie below one another, each as its plan, points and
+    faces side by side. Pixels to their right measure what the last meter left of them does. Photons from
+    luminaires do not meet points, so light that glass or mirrors gather is found from the meters alone; and
+    meters share nothing, whatever `sharing` says.
     """
 
     type: Literal["meters"]
@@ -322,6 +322,9 @@ class Meters(_AnySensor):
         points = sum(columns * rows for columns, rows in (each.size for each in self.instruments))
         if points > bounds.METERS:
             raise problem_at(".instruments", f"have {points} points; at most {bounds.METERS}")
+        for index, each in enumerate(self.instruments):
+            if self.daylight is not None and each.faces is not None:
+                raise problem_at(f".instruments[{index}].faces", "daylight of a year is of points and grids")
         return self
 
     @property

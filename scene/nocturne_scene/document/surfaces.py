@@ -22,7 +22,9 @@ class Surface(Moving):
     `scale` comes first, then `rotate`, then `translate`.
     """
 
-    name: Text = Field(default="", description="For people; not part of the compiled scene.")
+    name: Text = Field(
+        default="", description="For people, and for meters on its faces; not part of the compiled scene."
+    )
     shape: ShapeDefinition = Field(description="The geometry.")
     kernel: KernelReference | None = Field(
         default=None,

@@ -67,6 +67,10 @@ def measure(
     as_csv: Annotated[
         bool, typer.Option("--csv", help="Print a table for spreadsheets; of one line alone, its profile.")
     ] = False,
+    meters: Annotated[
+        bool,
+        typer.Option("--meters", help="Print a table with a line for each meter of a file: place and value."),
+    ] = False,
     url: Url = None,
     as_json: AsJson = False,
 ) -> None:
@@ -82,6 +86,9 @@ def measure(
         *(_outline("line", text) for text in line or []),
     ]
     file = file_named(target)
+    if meters:
+        _print_meters(target, file, channel)
+        return
     if file is not None and keep:
         raise NocturneClientError("--keep: parts are kept with renders of the service, and not in files")
     if file is not None:
@@ -102,6 +109,14 @@ def measure(
         _print(found)
         if file is not None:
             _print_polarisation(file, found, channel)
+
+
+def _print_meters(target: str, file: Path | None, channel: str) -> None:
+    from nocturne_client.local.measuring import meters_as_csv
+
+    if file is None:
+        raise NocturneClientError(f"--meters: of a file; first nocturne get {target} --exr image.exr")
+    typer.echo(meters_as_csv(file, channel), nl=False)
 
 
 def glare(

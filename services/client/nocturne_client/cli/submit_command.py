@@ -159,7 +159,9 @@ def submit(
 
 def _year(scene: Path | dict[str, Any] | SceneOnDisk, weather: Path) -> SceneOnDisk:
     if isinstance(scene, Path):
-        return with_year(read_scene(scene), weather)
+        on_disk = read_scene(scene)
+        # Else the file's name would be lost.
+        return with_year(SceneOnDisk({"name": scene.stem, **on_disk.document}, on_disk.files), weather)
     return with_year(scene if isinstance(scene, SceneOnDisk) else SceneOnDisk(scene, {}), weather)
 
 

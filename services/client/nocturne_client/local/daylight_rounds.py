@@ -70,10 +70,10 @@ def daylight_scene(path: Path, changes: Mapping[str, Any], north: Floats | None)
             )
         try:
             up, level = frame_of(document, north)
+            points = points_of(document.sensor)
         except InputError as error:
             raise NocturneClientError(error.problems[0].message) from error
         alone = SceneOnDisk(sky_alone(given), on_disk.files)
-        points = points_of(document.sensor)
     return DaylightScene(alone, points, up, level)
 
 

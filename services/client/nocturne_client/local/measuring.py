@@ -1,5 +1,7 @@
 """`nocturne measure` and `nocturne glare` of EXR files: the same formulas as the service's."""
 
+import csv
+import io
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -25,6 +27,7 @@ from nocturne_scene.uncertainty import ImageMoments
 
 from nocturne_client import contract
 from nocturne_client.decoding import decode
+from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.failures import client_errors
 
 _REFUSED = "the image can't be measured"
@@ -58,6 +61,37 @@ def measure_file(
             histogram = _histogram(moments, outline, one, index, bins) if bins else None
             found.append(MeasuredOutline(text, outline, one, histogram, of_light, daylight))
     return decode(contract.Measurements, plain_measurements(found, places, channel, name, unit))
+
+
+def meters_as_csv(image: Path, channel: str) -> str:
+    """A line for each meter of an image: instrument, number, place in m, value, standard error. Raises
+    NocturneClientError."""
+    with client_errors(_REFUSED):
+        picture = read_picture(image)
+        moments, places = _moments(picture), Places.read(_attribute(image, ATTRIBUTE), *_size(picture))
+        if not places.is_of_meters:
+            raise NocturneClientError(f'{image} has no meters; they are pixels of the sensor "meters"')
+        if channel not in picture.names:
+            known = ", ".join(picture.names)
+            raise NocturneClientError(f"{image}: {channel!r} is not known; expected {known}")
+        _, unit = _quantity(image).of_channel(channel, picture.names)
+        index = picture.names.index(channel)
+        text = io.StringIO()
+        lines = csv.writer(text, lineterminator="\n")
+        lines.writerow(["instrument", "meter", "x", "y", "z", f"value {unit}".strip(), "standard_error"])
+        for part in places.parts:
+            for number in range(part.columns * part.rows):
+                x, y = part.left + number % part.columns, part.top + number // part.columns
+                variance = moments.variance[y, x, index] + moments.one_more[y, x, index]
+                error = f"{np.sqrt(variance):.8g}" if moments.samples[y, x] > 1 else ""
+                where = (f"{each:.9g}" for each in part.place(x, y) or ())
+                lines.writerow([part.name, number, *where, f"{moments.mean[y, x, index]:.8g}", error])
+    return text.getvalue()
+
+
+def _size(picture: Picture) -> tuple[int, int]:
+    height, width = picture.xyz.shape[:2]
+    return width, height
 
 
 def polarisation_of_file(

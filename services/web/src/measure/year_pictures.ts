@@ -82,8 +82,8 @@ export function histogramFigure(values: readonly number[], name: string): HTMLEl
   const { edges, counts } = histogramOf(values, bins);
   const most = Math.max(...counts, 1);
   const [width, height] = [30, 120];
-  const bars = counts.map((count, index) => svg("rect", { x: index * width + 1, y: height - (height * count) / most, width: width - 2, height: (height * count) / most, class: "bar" }));
-  const labels = [0, bins / 2, bins].map((index) => svg("text", { x: index * width, y: height + 16, "font-size": 12, "text-anchor": index === 0 ? "start" : index === bins ? "end" : "middle", class: "tick" }, shortText(name, edges[index] ?? 0)));
+  const bars = counts.map((count, index) => svg("rect", { x: index * width + 1, y: height - (height * count) / most, width: width - 2, height: (height * count) / most, class: "year-bar" }));
+  const labels = [0, bins / 2, bins].map((index) => svg("text", { x: index * width, y: height + 16, "font-size": 12, "text-anchor": index === 0 ? "start" : index === bins ? "end" : "middle", class: "year-tick" }, shortText(name, edges[index] ?? 0)));
   const told = counts.map((count, index) => `${count} from ${shortText(name, edges[index] ?? 0)}`).join(", ");
   const picture = svg("svg", { viewBox: `0 0 ${bins * width} ${height + 20}`, role: "img", "aria-label": `Points by ${name}, ${unitOf(name)}: ${told}` }, ...bars, ...labels);
   picture.style.maxWidth = `${bins * width}px`;
