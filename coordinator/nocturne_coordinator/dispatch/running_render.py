@@ -80,11 +80,8 @@ class RunningRender:
         self._judged_photons = 0
         self.gets_quick_copies = True
         """Until one of them takes too long."""
-        self.audits_open = 0
-        self.next_preview = 0.0
-        self.next_replan = 0.0
-        self.next_figures = 0.0
-        self.pictured_photons = 0
+        self.audits_open = self.pictured_photons = 0
+        self.next_preview = self.next_replan = self.next_figures = 0.0
         self._dirty: set[int] = set()
         """Tiles to commit."""
         self._dirty_totals = False
