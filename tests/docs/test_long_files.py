@@ -17,6 +17,7 @@ MAX_FUNCTION = 60
 OPTIONS = {
     ("services/api/nocturne_api/main.py", "_settings"),
     ("services/client/nocturne_client/cli/annual_command.py", "annual"),
+    ("services/client/nocturne_client/cli/measure_commands.py", "measure"),
     ("services/client/nocturne_client/cli/report_command.py", "report"),
     ("services/client/nocturne_client/cli/up_commands.py", "up"),
     ("services/client/nocturne_client/cli/submit_command.py", "submit"),
