@@ -19,9 +19,9 @@ WEB_SOURCES := $(shell find services/web/src services/web/public -type f 2>/dev/
 CPP_SOURCES := $(shell find worker tests/worker bench -name '*.cpp' -o -name '*.h' 2>/dev/null)
 STAMPS := build/stamps
 PROCESSES := --numprocesses
-NOT_MINUTES := not soak and not references and not peers and not containers and not blender and not roots and not slurm
+NOT_MINUTES := not soak and not references and not peers and not containers and not blender and not roots and not slurm and not postgresql
 
-.PHONY: help packages venv proto web worker programs build dist roots slurm containers demo stop test check check-types check-page check-form test-cpp test-page test-services-at-work test-accuracy test-crossings test-coordinator test-services test-scene test-others heaviest format unit system screenshots visit soak accuracy fuzz fuzz-readers crossings references peers blender stability preflights profile sanitize bench lock contract docs reference-pictures gallery clean
+.PHONY: help packages venv proto web worker programs build dist roots slurm postgres containers demo stop test check check-types check-page check-form test-cpp test-page test-services-at-work test-accuracy test-crossings test-coordinator test-services test-scene test-others heaviest format unit system screenshots visit soak accuracy fuzz fuzz-readers crossings references peers blender stability preflights profile sanitize bench lock contract docs reference-pictures gallery clean
 
 help:  ## This list
 	@grep -hE '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/:.*##/\t/' | expand -t 12
@@ -75,6 +75,12 @@ roots: dist  ## The wheels in empty Debians without root or network, and by ever
 slurm: build  ## Workers as an array of a real Slurm of two nodes on this machine (a minute or two)
 	@deploy/install-debian-packages.sh slurm
 	pytest -m slurm -s tests/slurm
+
+postgres: build  ## The store, the services and the fault matrix with PostgreSQL, a real server (half an hour)
+	@deploy/install-debian-packages.sh postgres
+	pytest -m postgresql tests/postgresql
+	pytest -m "not soak" -p tests.postgresql.everywhere tests/coordinator tests/faults tests/services
+	pytest -m "not soak" -p tests.postgresql.everywhere -p tests.postgresql.two_coordinators tests/faults
 
 containers: build  ## Images on a real Docker Engine: compose up, all parts killed, the same bits (half an hour at first)
 	pytest -m containers -s tests/containers

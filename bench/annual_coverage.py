@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from nocturne_client.local.annual import Traces, YearOfLight, counting_of, measure, read_weather
+from nocturne_client.local.annual import read_weather
 from nocturne_client.local.daylight_rounds import Rounds, daylight_scene, rounds
 from nocturne_scene.daylight.coefficients import Layout
 from nocturne_scene.daylight.patches import Patches
+from nocturne_scene.daylight.year_of_light import Traces, YearOfLight, counting_of, measure
 from nocturne_scene.daylight.year_of_skies import skies_of
 from scipy import stats
 

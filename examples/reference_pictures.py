@@ -9,10 +9,12 @@ The scenes around the examples are here, and the small files that examples name;
 import argparse
 import copy
 import json
+import math
 import struct
 import subprocess
 import sys
 import tempfile
+from datetime import UTC, datetime, timedelta
 from pathlib import Path
 from typing import Any
 
@@ -33,6 +35,7 @@ _EDGE, _SAMPLES = 96, 100
 _UNSEEN = {
     *("Wavelengths", "NullKernel", "Polariser", "Retarder", "Measured", "AssetMesh", "Instrument"),
     *("RayFile", "IrradianceMeter", "RadianceMeter", "IntensityMeter", "Meters", "Bands", "Tracing"),
+    "YearOfDaylight",
     *(
         "ImportantDirection",
         "MediumBox",
@@ -182,6 +185,7 @@ def write_files(folder: Path) -> None:
     places[:, 3], places[:, 5] = 1.0, 1.0
     write_placements(folder / "places.ply", places)
     _rays(folder / "led.tm25ray")
+    (folder / "year.epw").write_text(_weather())
     _grids(folder)
 
 
@@ -193,6 +197,18 @@ TILT=NONE
 0
 900 700 150 20 0
 """
+
+
+def _weather() -> str:
+    """A year at 48.8 degrees north in which each day is alike."""
+    header = ["LOCATION,Somewhere,-,-,none,0,48.8,9.2,1.0,250", *["-"] * 7]
+    rows = []
+    for hour in range(8760):
+        when = datetime(2001, 1, 1, tzinfo=UTC) + timedelta(hours=hour)
+        up = max(0.0, math.sin(math.pi * (when.hour - 7.5) / 9))
+        day = [when.year, when.month, when.day, when.hour + 1]
+        rows.append(",".join(map(str, [*day, 0, "-", 10, 5, 50, 1e5, 0, 0, 300, 0, 500 * up, 200 * up])))
+    return "\n".join([*header, *rows]) + "\n"
 
 
 def _image(path: Path, pixels: NDArray[np.float64]) -> None:

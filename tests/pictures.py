@@ -1,5 +1,6 @@
 """Small OpenEXR files, and what one of ours says of itself."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -8,8 +9,8 @@ import numpy.typing as npt
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 
 
-def write_exr(path: Path, values: npt.NDArray[np.floating], names: str = "XYZ") -> Path:
-    """Values of shape (height, width, channels), a channel for each letter of `names`."""
+def write_exr(path: Path, values: npt.NDArray[np.floating], names: Sequence[str] = "XYZ") -> Path:
+    """Values of shape (height, width, channels), a channel for each of `names`."""
     spec = oiio.ImageSpec(values.shape[1], values.shape[0], values.shape[2], oiio.FLOAT)
     spec.channelnames = tuple(names)
     output = oiio.ImageOutput.create(str(path))

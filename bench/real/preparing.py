@@ -84,8 +84,8 @@ def _renew(parent: ET.Element, child: ET.Element) -> None:
     elif child.tag == "spectrum" and ":" not in value and len(value.replace(",", " ").split()) == 3:
         child.tag = "rgb"
     elif child.tag == "rgb" and name in ("eta", "k"):
-        # Mitsuba's spectral variants read no more than 1 from three numbers.
-        red, green, blue = value.replace(",", " ").split()
+        # Mitsuba's spectral variants read no more than 1 from three numbers, and nothing from 0.
+        red, green, blue = (max(1e-4, float(each)) for each in value.replace(",", " ").split())
         child.tag = "spectrum"
         child.set("value", f"360:{blue}, 460:{blue}, 550:{green}, 620:{red}, 830:{red}")
     elif child.tag == "blackbody":

@@ -6,7 +6,6 @@ Several may share a folder: each render is leased to one of them, and every writ
 All decisions are those of `dispatch.core`."""
 
 import logging
-import sqlite3
 from collections.abc import Callable
 
 from nocturne_coordinator.clock import Clock
@@ -22,7 +21,9 @@ from nocturne_coordinator.output.previews import Previews
 from nocturne_coordinator.queue.dispatcher import Dispatcher
 from nocturne_coordinator.queue.job_queue import JobQueue, ResultEntry, Session
 from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_coordinator.store.database import DatabaseTrouble
 from nocturne_coordinator.store.ledger import Ledger
+from nocturne_coordinator.traces import Traces
 
 _log = logging.getLogger(__name__)
 
@@ -54,6 +55,7 @@ class Coordinator:
         settings: Settings,
         clock: Clock,
         event_log: EventLog | None = None,
+        traces: Traces | None = None,
     ) -> None:
         """`settings.number` must be the ledger's."""
         self._folder = folder
@@ -61,10 +63,13 @@ class Coordinator:
         self._clock = clock
         self._event_log = event_log
         self._guard = queue.guard
+        self._traces = traces or Traces()
         self.core = Core(settings)
         self.core.state.fleet.quarantined = ledger.workers.quarantined()
         self._dispatcher = Dispatcher(queue, session, self.tell, clock)
-        self._executor = Executor(ledger, previews, self._dispatcher, self.core.state.renders, clock)
+        self._executor = Executor(
+            ledger, previews, self._dispatcher, self.core.state.renders, clock, self._traces
+        )
         self._coordinators = 1
         self._mirrored: tuple[WorkerRow, ...] = ()
         self._seen_changes = -1
@@ -85,7 +90,7 @@ class Coordinator:
         self._dispatcher.leave()
         try:
             self._ledger.leases.resign()
-        except (sqlite3.Error, OSError) as trouble:
+        except (DatabaseTrouble, OSError) as trouble:
             _log.info("the leases on renders run out by themselves: %s", trouble)
         _log.info("stopped; %d renders wait to be resumed", len(self.core.state.renders))
 
@@ -132,6 +137,7 @@ class Coordinator:
 
     def _take(self, result: ResultEntry) -> None:
         crash_point("received")
+        self._traces.came(result.data)
         merged = self.core.results.merged
         # Here, not when it is read: a batch is many times what a processor's cache holds.
         refusal = self._guard.refusal(result.data, result.machine, result.signature) if self._guard else ""
@@ -161,7 +167,7 @@ class Coordinator:
                 self._seen_changes = changes
         except LeaseLost as lost:
             self.tell(RenderLost(at, lost.render_id))
-        except (sqlite3.Error, OSError) as trouble:
+        except (DatabaseTrouble, OSError) as trouble:
             self._executor.wants_look = True
             _log.error("the data folder can't be used: %s; trying again", trouble)
 

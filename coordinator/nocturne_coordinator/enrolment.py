@@ -32,7 +32,7 @@ def token_of(machine: str) -> str:
 
 def reason_of(machine: str, reasons: Mapping[str, str]) -> str:
     """The reason given there for the machine or its token; empty: none."""
-    return reasons.get(machine) or reasons.get(token_of(machine), "")
+    return (reasons.get(machine) or reasons.get(token_of(machine), "")) if reasons else ""
 
 
 def redis_user(machine: str) -> str:

@@ -1,7 +1,6 @@
 """Carries out the core's instructions, on queue, store and files."""
 
 import logging
-import sqlite3
 from collections.abc import Iterator
 from typing import Any
 
@@ -16,7 +15,9 @@ from nocturne_coordinator.dispatch.running_render import RunningRender
 from nocturne_coordinator.errors import StoreUnavailable
 from nocturne_coordinator.output.previews import Previews
 from nocturne_coordinator.queue.dispatcher import Dispatcher
+from nocturne_coordinator.store.database import DatabaseTrouble
 from nocturne_coordinator.store.ledger import Ledger
+from nocturne_coordinator.traces import Traces
 
 _log = logging.getLogger("nocturne_coordinator.coordinator")
 
@@ -31,8 +32,10 @@ class Executor:
         dispatcher: Dispatcher,
         renders: dict[str, RunningRender],
         clock: Clock,
+        traces: Traces,
     ) -> None:
         """`renders`: the core's, whose films are shown."""
+        self._traces = traces
         self._ledger = ledger
         self._previews = previews
         self._dispatcher = dispatcher
@@ -48,8 +51,12 @@ class Executor:
                 _log.log(instruction.level, "%s", instruction.message)
             case do.RefreshRenders():
                 self.wants_look = True
+            case do.AskTime():
+                return self._clock.moment()
             case do.Publish():
-                return self._dispatcher.publish(instruction.jobs, instruction.quick)
+                entries = self._dispatcher.publish(instruction.jobs, instruction.quick)
+                self._traces.published(instruction.jobs)
+                return entries
             case do.Withdraw():
                 self._dispatcher.withdraw(instruction.entries, instruction.stop)
             case do.Acknowledge():
@@ -65,7 +72,7 @@ class Executor:
             case _:
                 try:
                     return self._write(instruction)
-                except (sqlite3.Error, OSError) as trouble:
+                except (DatabaseTrouble, OSError) as trouble:
                     raise StoreUnavailable(str(trouble)) from trouble
         return None
 
@@ -116,7 +123,7 @@ class Executor:
         """Read one by one, as the core asks for them."""
         try:
             yield from self._ledger.renders.tiles(render_id)
-        except (sqlite3.Error, OSError) as trouble:
+        except (DatabaseTrouble, OSError) as trouble:
             raise StoreUnavailable(str(trouble)) from trouble
 
     def _commit(self, instruction: do.Commit) -> CommitDone:
@@ -125,13 +132,14 @@ class Executor:
             crash_point("before-commit")
             lost = self._ledger.commits.commit(list(instruction.commits))
             crash_point("after-commit")
+            self._traces.committed(each for each in instruction.commits if each.render_id not in lost)
         lost += [each for each in self._ledger.leases.lost(instruction.fences) if each not in lost]
         return CommitDone(self._clock.moment(), tuple(lost))
 
     def _is_open(self, render_id: str) -> bool:
         try:
             return self._ledger.renders.is_open(render_id)
-        except sqlite3.Error:
+        except DatabaseTrouble:
             return True
 
     def _write_bundle(self, instruction: do.WriteBundle) -> None:
@@ -142,6 +150,7 @@ class Executor:
             _log.error("render=%s tile=%d has no bundle: %s", render.id, failed.tile_index, trouble)
 
     def show_ended(self) -> None:
-        """Final images of renders that were cancelled or failed, from committed sums. LeaseLost,
-        sqlite3.Error, OSError."""
-        self._previews.finish_ended(self._clock.moment().unix)
+        """Final images of renders that were cancelled or failed, from committed sums; where they are many,
+        some at each look. LeaseLost, DatabaseTrouble, OSError."""
+        if not self._previews.finish_ended(self._clock.moment().unix):
+            self.wants_look = True

@@ -5,7 +5,6 @@ import logging
 import math
 import secrets
 import signal
-import sqlite3
 import sys
 import threading
 import time
@@ -31,8 +30,11 @@ from nocturne_coordinator.queue.job_queue import JobQueue, Session
 from nocturne_coordinator.signals import on_signals
 from nocturne_coordinator.store.checkpoint import CHECKPOINT_SECONDS, Checkpointer
 from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_coordinator.store.database import DatabaseTrouble
+from nocturne_coordinator.store.databases import server_of
 from nocturne_coordinator.store.ledger import Ledger
 from nocturne_coordinator.store.ownership import LEASE_SECONDS, Ownership
+from nocturne_coordinator.traces import start_traces
 
 EXIT_UNUSABLE = 2
 EXIT_ALREADY_OWNED = 3
@@ -187,6 +189,7 @@ def _seconds(text: str) -> float:
 
 def _run(options: argparse.Namespace, stop: threading.Event) -> None:
     data: Path = options.data
+    traces = start_traces("coordinator")
     folder, ownership = _open(data, options.shared, options.lease_seconds)
     queue = JobQueue(options.redis)
     if options.enrolled:
@@ -212,7 +215,9 @@ def _run(options: argparse.Namespace, stop: threading.Event) -> None:
             memory_bytes(),
         )
         ledger = Ledger(folder.database, ownership)
-        if options.checkpoint_seconds > 0.0:
+        if server_of(data):
+            _log.info("the database is on a server, which makes its own backups: no checkpoints")
+        elif options.checkpoint_seconds > 0.0:
             place = options.checkpoints or data / "checkpoints"
             checkpointer = Checkpointer(data, place, options.checkpoint_seconds)
             threading.Thread(target=checkpointer.run, args=(stop,), daemon=True).start()
@@ -221,7 +226,9 @@ def _run(options: argparse.Namespace, stop: threading.Event) -> None:
         alive = Heartbeat(options.alive)
         previews = Previews(folder, ledger, alive)
         clock = Clock(stop)
-        coordinator = Coordinator(folder, ledger, previews, queue, session, settings, clock, event_log)
+        coordinator = Coordinator(
+            folder, ledger, previews, queue, session, settings, clock, event_log, traces
+        )
         signal.signal(signal.SIGHUP, lambda *_: coordinator.look_again())
         coordinator.run(alive)
     finally:
@@ -232,13 +239,14 @@ def _run(options: argparse.Namespace, stop: threading.Event) -> None:
         queue.close()
         ownership.release()
         folder.close()
+        traces.close()
 
 
 def _open(data: Path, shared: bool, lease_seconds: float) -> tuple[DataFolder, Ownership]:
     folder = DataFolder(data)
     try:
         return folder, Ownership(data, folder.database, shared, lease_seconds)
-    except (OSError, sqlite3.Error) as trouble:
+    except (OSError, DatabaseTrouble) as trouble:
         folder.close()
         raise UnusableFolder.because(data, trouble) from trouble
 

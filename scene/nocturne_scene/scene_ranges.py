@@ -3,6 +3,8 @@
 from nocturne.v1 import job_pb2, scene_pb2
 
 from nocturne_scene.blobs import BlobStore
+from nocturne_scene.daylight.patches import Patches
+from nocturne_scene.daylight_ranges import with_coefficients
 from nocturne_scene.quantities import quantity_of
 from nocturne_scene.ranges import ForwardPhotons, make_schedule
 from nocturne_scene.spectra.wavelength_range import VISIBLE, WavelengthRange
@@ -35,6 +37,9 @@ def schedule_of(
         photons_per_sample=scene.tracing.group,
         forward_ratio=scene.tracing.forward_ratio,
     )
+    if scene.HasField("daylight"):
+        once = bool(scene.daylight.suns)
+        schedule = with_coefficients(schedule, coefficients_of(scene.daylight), once=once)
     schedule.quantity = quantity_of(scene.sensor).name
     within = range_of(scene.sensor)
     if not within.is_usual:
@@ -43,6 +48,13 @@ def schedule_of(
     schedule.instruments = scene.sensor.instruments
     schedule.warnings.extend(scene.tracing.warnings)
     return schedule
+
+
+def coefficients_of(message: scene_pb2.DaylightCoefficients) -> int:
+    """Numbers of each pixel, as worker/src/scene/scene.h has it."""
+    if message.suns:
+        return len(message.suns) + 1
+    return len(message.patches) or Patches(message.divisions).count
 
 
 def wavelengths_of(schedule: job_pb2.RangeSchedule) -> WavelengthRange:

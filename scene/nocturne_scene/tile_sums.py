@@ -1,6 +1,6 @@
 """The sums that a tile's result holds, and how they lie in memory; as in worker/src/tile/tile_sums.h."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Self
 
 import numpy as np
@@ -46,6 +46,11 @@ def blocks_in(pixels: int) -> int:
     return -(-pixels // BLOCK)
 
 
+def no_coefficients() -> Values:
+    """Of the tiles of most renders."""
+    return np.zeros((0, 0, 0))
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class TileSums:
     """Sums over samples of a tile; views into one run of numbers, or separate arrays."""
@@ -57,9 +62,11 @@ class TileSums:
     tile_products: Values
     """Shape (1, products_of_tile): the same of the whole tile, then the products of each further response
     with X, Y, Z, those before it and itself; of a film, a row for each of its tiles."""
+    coefficients: Values = field(default_factory=no_coefficients)
+    """Shape (height, width, coefficients): of daylight; without errors. Of most renders none."""
 
     def encode(self) -> bytes:
-        """Float64, little endian: pixels, blocks, tile."""
+        """Float64, little endian: pixels, blocks, tile, coefficients."""
         return b"".join(part.astype("<f8", copy=False).tobytes() for part in self._parts)
 
     @classmethod
@@ -87,8 +94,8 @@ class TileSums:
             own[...] = assigned
 
     @property
-    def _parts(self) -> tuple[Values, Values, Values]:
-        return self.pixels, self.block_products, self.tile_products
+    def _parts(self) -> tuple[Values, Values, Values, Values]:
+        return self.pixels, self.block_products, self.tile_products, self.coefficients
 
 
 def products_of_tile(further: int) -> int:
@@ -113,7 +120,7 @@ def numbers_in(width: int, height: int, further: int, tiles: int = 1) -> int:
 
 
 def decode(data: bytes, width: int, height: int, further: int) -> TileSums:
-    """What `encode` gave; ValueError where it is no such tile's.
+    """What `encode` gave; ValueError where it is no such tile's. What follows the tile are coefficients.
 
     Of a tile from before there were errors of all quantities, or products of responses, unknown values are
     NaN.
@@ -124,9 +131,14 @@ def decode(data: bytes, width: int, height: int, further: int) -> TileSums:
         found = np.append(found, np.full(products, np.nan))
     if found.size == pixels * (_XYZ_SUMS_BEFORE + further):
         found = _from_before(found.reshape(pixels, -1), width, height, further)
-    if found.size != numbers_in(width, height, further):
+    more = found.size - numbers_in(width, height, further)
+    if more < 0 or more % pixels:
         raise ValueError(f"{len(data)} bytes are no sums of {width} x {height} pixels")
-    return split(found, width, height, further)
+    if not more:
+        return split(found, width, height, further)
+    return replace(
+        split(found[:-more], width, height, further), coefficients=found[-more:].reshape(height, width, -1)
+    )
 
 
 def split(numbers: Values, width: int, height: int, further: int, tiles: int = 1) -> TileSums:

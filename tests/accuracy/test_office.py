@@ -117,14 +117,15 @@ def by_reflection(plate: Plate, meter: tuple[float, float, float]) -> float:
     comes back to the ground once more is a part of 1e-3 of this.
     """
     ground = GROUND.middles()
-    lit = REFLECTANCE * ON_LEVEL * ~plate.hides_sun(ground)
+    lit = np.asarray(REFLECTANCE * ON_LEVEL * ~plate.hides_sun(ground), dtype=np.float64)
     film = Plate((meter[0] - 0.5, meter[1], meter[2] - 0.5), (0, 0, 1), (1, 0, 0), (3, 3)).middles()
     side = plate.normal if (film.mean(axis=0) - np.array(plate.corner)) @ plate.normal > 0 else -plate.normal
     middles = plate.middles()
     on_plate = sent(GROUND, lit, middles, np.tile(side, (len(middles), 1)))
     on_plate += SUN_ACROSS * max(0.0, float(side @ scenes.TO_SUN))
     up = np.tile([0.0, 1.0, 0.0], (len(film), 1))
-    return float(sent(plate, REFLECTANCE * on_plate, film, up).mean())
+    light = np.asarray(REFLECTANCE * on_plate, dtype=np.float64)
+    return float(sent(plate, light, film, up).mean())
 
 
 SUNS = {
@@ -182,7 +183,7 @@ def pane_transmittance(cosine: float, index: float = 1.52, straight: float = 0.9
     r, t = 0.5 * (across + in_plane), straight ** (1.0 / inside)
     passes = (1.0 - r) ** 2 * t / (1.0 - (r * t) ** 2)
     returns = r + (1.0 - r) ** 2 * r * t**2 / (1.0 - (r * t) ** 2)
-    return passes**2 / (1.0 - returns**2)
+    return float(passes**2 / (1.0 - returns**2))
 
 
 SUN_INSIDE = ON_LEVEL * pane_transmittance(-scenes.TO_SUN[2])

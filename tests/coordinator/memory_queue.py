@@ -244,13 +244,13 @@ class Worker:
         profile: str = "",
         quick: bool = True,
     ) -> None:
-        """`quick`: it has the further thread for quick copies."""
+        """`quick`: it has the further threads for quick copies."""
         self.name = name
         self.jobs_done = self.quick_done = 0
         self._queue, self._clock = queue, clock
         self._alter, self.delay, self._lease, self._dies, self._profile = alter, delay, lease, dies, profile
         self._started = clock.moment().unix
-        self._threads = [_Thread(False), _Thread(True)] if quick else [_Thread(False)]
+        self._threads = [_Thread(False), *(_Thread(True) for _ in range(2 * quick))]
         self._is_alive = True
         self.next_at = clock.now
         clock.workers.append(self)

@@ -15,13 +15,13 @@ from nocturne_coordinator.output.previews import Previews
 from nocturne_coordinator.store.blob_use import Removals
 from nocturne_coordinator.store.commits import Commits
 from nocturne_coordinator.store.data_folder import DataFolder
-from nocturne_coordinator.store.database import Database
 from nocturne_coordinator.store.leases import Leases
 from nocturne_coordinator.store.ledger import Ledger
 from nocturne_coordinator.store.open_renders import OpenRenders, find_render
 from nocturne_coordinator.store.ownership import Ownership
 from nocturne_coordinator.store.render_requests import RenderRequests
 from nocturne_coordinator.store.renders import Renders
+from nocturne_coordinator.store.sqlite import SqliteDatabase
 from nocturne_coordinator.store.tiles import Tiles
 from nocturne_coordinator.store.workers import Workers
 from nocturne_scene.ranges import ranges_planned
@@ -34,7 +34,7 @@ _UNIX_EPOCH = 2440587.5
 """As a Julian date."""
 
 
-class MemoryDatabase(Database):
+class MemoryDatabase(SqliteDatabase):
     """In memory; a test may make it full."""
 
     def __init__(self, clock: VirtualClock) -> None:

@@ -169,6 +169,9 @@ class SimulatedWorker(threading.Thread):
             try:
                 job = job_pb2.Job.FromString(fields[keys.JOB_FIELD])
             except (DecodeError, KeyError):
+                job = job_pb2.Job()
+            # Random bytes may be a job of no samples, which workers refuse.
+            if job.end_sample <= job.first_sample or not job.HasField("tile"):
                 self._client.xack(keys.JOBS, keys.WORKERS_GROUP, entry)
                 self._client.xdel(keys.JOBS, entry)
             else:

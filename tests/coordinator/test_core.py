@@ -58,6 +58,7 @@ class Shell:
             do.Quarantine: lambda _: [],
             do.Publish: lambda asked: [self.entry() for _ in asked.jobs],
             do.Commit: lambda _: CommitDone(self.now, ()),
+            do.AskTime: lambda _: self.now,
             **dict.fromkeys(
                 (do.WritePreview, do.WriteThumbnail, do.WriteImage, do.RecordError), lambda _: self.now
             ),

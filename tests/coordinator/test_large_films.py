@@ -105,3 +105,60 @@ def test_a_small_film_is_done_while_a_large_one_is_taken_up(monkeypatch: pytest.
     world.run_until(lambda: world.row(small).state.ended)
     assert large not in coordinator.core.state.renders
     world.check_survived(small, large, seconds=300.0)
+
+
+def test_a_small_film_is_done_while_a_large_one_gets_another_schedule(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """In the middle it is extended once more, and jobs and results of it are on the streams."""
+    monkeypatch.setattr(film, "QUEUES_AT_ONCE", 1)
+    world = World(settings=Settings(commit_seconds=0.1, audit_share=0.0, audit_share_new=0.0))
+    coordinator = world.start()
+    for _ in range(4):
+        world.worker(delay=0.05)
+    large = world.create(12, width=_TILES * _TILE_SIZE)
+    world.run_until(lambda: len(world.store.stored[large].tiles) > _TILES // 2, 200.0)
+    for samples in (14, 15):
+        schedule = extended_schedule(world.row(large).schedule, samples)
+        world.store.change(large, schedule=schedule)
+        world.run_until(lambda: large not in coordinator.core.state.renders, 60.0)
+    small = world.create(1)
+    world.store.change(small, owner="another")
+    world.run_until(lambda: world.row(small).state is RenderState.SUCCEEDED)
+    assert large not in coordinator.core.state.renders
+    world.check_survived(small, large, seconds=300.0)
+    assert world.row(large).schedule.range_ends[-1] == 15
+
+
+def test_a_large_film_that_ends_while_it_gets_another_schedule_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(film, "QUEUES_AT_ONCE", 1)
+    world = World()
+    coordinator = world.start()
+    world.worker(delay=0.01)
+    large = world.create(4, width=_TILES * _TILE_SIZE)
+    world.run_until(lambda: len(world.store.stored[large].tiles) > 3, 200.0)
+    fence = world.row(large).fence
+    world.store.change(large, schedule=extended_schedule(world.row(large).schedule, 5))
+    world.run_until(lambda: large not in coordinator.core.state.renders)
+    world.store.change(large, state=RenderState.PAUSED)
+    world.run(1.0)
+    # Its lease is given back, and it may be taken up again.
+    assert large not in coordinator.core.state.renders
+    world.store.change(large, state=RenderState.QUEUED)
+    world.check_survived(large, seconds=300.0)
+    assert world.row(large).fence > fence
+
+
+def test_renders_are_taken_up_for_a_while_then_others_get_their_turn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a flood of one owner some are started in each look, and who came in between is next."""
+    monkeypatch.setattr(admission, "_ADMIT_SECONDS", -1.0)
+    world = World()
+    flood = [world.create(1) for _ in range(20)]
+    coordinator = world.start()
+    world.run_until(lambda: len(coordinator.core.state.renders) == 1)
+    late = world.create(1)
+    world.store.change(late, owner="another")
+    world.run_until(lambda: late in coordinator.core.state.renders)
+    assert len(coordinator.core.state.renders) <= 3
+    world.worker()
+    world.check_survived(*flood, late)

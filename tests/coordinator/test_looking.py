@@ -17,6 +17,7 @@ from nocturne_coordinator.store.groups import Groups
 from nocturne_coordinator.store.ledger import Ledger
 from nocturne_coordinator.store.ownership import Ownership
 from nocturne_coordinator.store.rows import NewRender
+from nocturne_coordinator.store.sqlite import SqliteDatabase
 from nocturne_scene.ranges import make_schedule
 
 from tests.coordinator.world import World
@@ -68,7 +69,9 @@ class Looking:
             counted += 1
             return 0
 
-        connection = self.folder.database._connection
+        database = self.folder.database
+        assert isinstance(database, SqliteDatabase)
+        connection = database._connection
         connection.set_progress_handler(count, 10)
         try:
             call()

@@ -12,8 +12,8 @@ from threading import Barrier
 import pytest
 from nocturne_coordinator.errors import UnusableFolder
 from nocturne_coordinator.store.data_folder import DataFolder
-from nocturne_coordinator.store.database import Database
 from nocturne_coordinator.store.migrate import MIGRATIONS, migrate, newest_schema, schema_of
+from nocturne_coordinator.store.sqlite import SqliteDatabase
 
 NEXT = """
 -- A column and a trigger: a statement may have others inside.
@@ -103,6 +103,7 @@ UNDONE = {
         ALTER TABLE webhook_message RENAME COLUMN error_warning TO doubt;
         CREATE TRIGGER webhook_of_render_out_of_reach AFTER UPDATE OF out_of_reach ON render
         BEGIN UPDATE render SET out_of_reach_told = 1 WHERE id = NEW.id; END;""",
+    22: "DROP TABLE session;",
 }
 """What takes back a migration, where there is anything to take back."""
 
@@ -156,7 +157,7 @@ def test_two_may_open_a_new_one_at_once(tmp_path: Path) -> None:
     def open_all() -> None:
         for number in range(40):
             both.wait()
-            Database(tmp_path / f"{number}.db").close()
+            SqliteDatabase(tmp_path / f"{number}.db").close()
 
     with ThreadPoolExecutor(2) as executor:
         for done in [executor.submit(open_all) for _ in range(2)]:
@@ -169,7 +170,7 @@ def test_a_newer_one_is_refused_in_a_sentence(old: sqlite3.Connection, migration
     with pytest.raises(
         UnusableFolder, match=rf"nocturne\.db has schema {newest_schema() + 1}.*a newer program"
     ):
-        Database(path)
+        SqliteDatabase(path)
 
 
 def test_a_crash_in_the_middle_leaves_the_old_one(old: sqlite3.Connection, migrations: Path) -> None:

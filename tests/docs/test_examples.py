@@ -29,7 +29,7 @@ def test_a_page_shows_its_pictures_and_how_its_files_are_made(folder: str) -> No
 def test_pictures_are_there_and_small(picture: Picture) -> None:
     file = EXAMPLES / picture.file
     assert file.read_bytes()[8:12] == b"WEBP"
-    assert file.stat().st_size <= MAX_PICTURE_BYTES
+    assert file.stat().st_size <= MAX_PICTURE_BYTES[picture.is_large]
 
 
 def test_the_gallery_is_made_of_what_is_kept() -> None:

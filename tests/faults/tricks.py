@@ -5,9 +5,10 @@ import random
 import socket
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from typing import Any
+from pathlib import Path
+from typing import Any, NamedTuple
 
 import grpc
 import httpx
@@ -184,14 +185,38 @@ def compiles_long(number: int) -> Any:
     return {**SCENE, "name": f"v{number}", "media": fog, "unbounded_media": [*fog]}
 
 
+class Waits(NamedTuple):
+    """What a small render's time was made of, seconds."""
+
+    all: float
+    for_processor: float
+    """In which API, until it was made, and coordinator, after that, were ready to run and others had the
+    processor: other programs of the machine, and the service's own."""
+
+
 def seconds_of_a_small_render(client: httpx.Client, number: int, patience_s: float = 120.0) -> float:
     """From asking for 8 x 8 to hearing that it has ended."""
+    return waits_of_a_small_render(client, number, {}, patience_s).all
+
+
+def waits_of_a_small_render(
+    client: httpx.Client, number: int, children: Mapping[str, int], patience_s: float = 120.0
+) -> Waits:
+    """The same, and how long the processes that have it in hand waited for a processor."""
     begun = time.monotonic()
+    waited = -_seconds_ready(children.get("api"))
     body = {"request_id": f"b{number}", "scene": SCENE, "width": 8, "height": 8, "samples": 1}
     answer = client.post("/v1/renders", json=body)
     assert answer.status_code == 201, answer.text
+    waited += _seconds_ready(children.get("api")) - _seconds_ready(children.get("coordinator"))
     address = f"/v1/renders/{answer.json()['id']}"
     while client.get(address).json()["state"] in ("QUEUED", "RUNNING"):
         assert time.monotonic() < begun + patience_s
         time.sleep(0.1)
-    return time.monotonic() - begun
+    waited += _seconds_ready(children.get("coordinator"))
+    return Waits(time.monotonic() - begun, waited)
+
+
+def _seconds_ready(pid: int | None) -> float:
+    """That the first thread of a process was ready to run since its start, and did not."""
+    return float(Path(f"/proc/{pid}/schedstat").read_text().split()[1]) / 1e9 if pid else 0.0

@@ -5,6 +5,7 @@ Requests are written once, as REST takes them; both calls are made of them by th
 
 import json
 import re
+import time
 from typing import Any
 
 import grpc
@@ -105,7 +106,7 @@ async def render_id(body: dict[str, Any], rest: httpx.AsyncClient, folder: DataF
         (render["id"], render["created"] + 2.5),
     )
     folder.database.execute(
-        "INSERT INTO worker VALUES ('w1', 1, 2, 10, 20, 5.5, 3, 1.0, unixepoch() + 0.0, 'a1')"
+        "INSERT INTO worker VALUES ('w1', 1, 2, 10, 20, 5.5, 3, 1.0, ?, 'a1')", (time.time(),)
     )
     coordinator_acts.picture(folder, render["id"], bytes(range(256)) * 3000)
     return str(render["id"])

@@ -3,6 +3,7 @@
 import asyncio
 import hashlib
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,9 +18,11 @@ from nocturne_client import Client
 from nocturne_client.cli.app import app
 from nocturne_coordinator.errors import BlobsMissing, WrongState
 from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_coordinator.store.database import Row
 from nocturne_coordinator.store.object_store import ObjectStore
 from nocturne_coordinator.store.removal import delete_render, sweep
 from nocturne_coordinator.store.renders import Renders
+from nocturne_coordinator.store.sqlite import SqliteDatabase
 from typer.testing import CliRunner
 
 from tests.services import coordinator_acts
@@ -59,13 +62,15 @@ async def ended(rest: httpx.AsyncClient, folder: DataFolder, body: dict[str, Any
     assert answer.status_code == 201, answer.text
     render_id: str = answer.json()["id"]
     for table, values in {
-        "tile": "1, 8, x'00', 1, 0, 0.0, x'', x''",
         "error_point": "1.0, 1, 1.0, 0.5, 0.1, 7.0",
         "contribution": "1, 'w'",
         "failed_tile": "1, 0, 4, 'no', '[]'",
         "lease": "1, 1",
     }.items():
         folder.database.execute(f"INSERT INTO {table} VALUES (?, {values})", (render_id,))  # noqa: S608
+    folder.database.execute(
+        "INSERT INTO tile VALUES (?, 1, 8, ?, 1, 0, 0.0, ?, ?)", (render_id, b"\0", b"", b"")
+    )
     folder.database.execute("INSERT INTO at_work VALUES (1, ?, 0, 'w', 0)", (render_id,))
     coordinator_acts.picture(folder, render_id, b"a preview")
     folder.image_path(render_id).write_bytes(b"an image")
@@ -75,7 +80,11 @@ async def ended(rest: httpx.AsyncClient, folder: DataFolder, body: dict[str, Any
 
 def mentions(folder: DataFolder, render_id: str) -> set[str]:
     """Tables that have the id anywhere."""
-    tables = folder.database.rows("SELECT name FROM sqlite_master WHERE type = 'table'")
+    tables: Sequence[Row]
+    if isinstance(folder.database, SqliteDatabase):
+        tables = folder.database.rows("SELECT name FROM sqlite_master WHERE type = 'table'")
+    else:
+        tables = folder.database.rows("SELECT tablename AS name FROM pg_tables WHERE schemaname = 'nocturne'")
     return {
         name
         for name in (table["name"] for table in tables)
@@ -87,7 +96,9 @@ def mentions(folder: DataFolder, render_id: str) -> set[str]:
 def files_of(folder: DataFolder) -> set[str]:
     """All but the database."""
     found = (path for path in folder.root.rglob("*") if path.is_file())
-    return {path.name for path in found if not path.name.startswith(("nocturne.db", "coordinator"))}
+    return {
+        path.name for path in found if not path.name.startswith(("nocturne.db", "postgresql", "coordinator"))
+    }
 
 
 async def test_nothing_is_left(

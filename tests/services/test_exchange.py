@@ -64,6 +64,25 @@ def test_compare_by_the_variance_of_one_sample(runner: CliRunner, tmp_path: Path
     assert scaled.exit_code == 0
 
 
+def test_compare_with_an_image_that_does_not_state_its_errors(runner: CliRunner, tmp_path: Path) -> None:
+    """As images of other renderers: their noise is no difference, and a factor of 5 % is one."""
+    random = np.random.default_rng(2)
+    ours, theirs = (1 + 0.05 * random.standard_normal((48, 48, 3)) for _ in range(2))
+    channels = np.concatenate([ours, np.full((48, 48, 1), 0.05)], axis=-1)
+    image = write_exr(tmp_path / "a.exr", channels, ("X", "Y", "Z", "Y.stderr"))
+    reference = write_exr(tmp_path / "b.exr", theirs)
+    same = runner.invoke(app, ["compare", str(image), str(reference)])
+    assert same.exit_code == 0, same.stdout
+    assert f"{reference} does not state its errors" in same.stdout
+    assert "means agree" in same.stdout
+    other = runner.invoke(app, ["compare", str(image), str(reference), "--scale", "1.05", "--json"])
+    assert other.exit_code == 1
+    found = json.loads(other.stdout)
+    assert found["without_errors"] == str(reference)
+    assert found["mean_z"][0] > 10
+    assert found["explained"] == pytest.approx(0.0025 / (2 * 0.0025 + 0.0025), abs=0.1)
+
+
 def test_compare_without_noise_says_so(runner: CliRunner, tmp_path: Path) -> None:
     image = write_exr(tmp_path / "a.exr", np.full((8, 8, 3), 1.1), "RGB")
     reference = write_exr(tmp_path / "b.exr", np.ones((8, 8, 3)), "RGB")

@@ -186,7 +186,7 @@ async def test_the_command_line_does_it_all(
     assert "No coordinator" in await nocturne("explain", render_id)
     assert "no worker" in await nocturne("workers")
     folder.database.execute(
-        "INSERT INTO worker VALUES ('w1', 2, 2, 10, 20, 5.5, 3, 1.0, unixepoch() + 0.0, 'a1')"
+        "INSERT INTO worker VALUES ('w1', 2, 2, 10, 20, 5.5, 3, 1.0, ?, 'a1')", (time.time(),)
     )
     folder.database.execute("INSERT INTO quarantine VALUES ('w1', 'Wrong results.', 1.0)")
     assert "Wrong results." in await nocturne("workers")

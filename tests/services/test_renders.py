@@ -1,6 +1,7 @@
 """Renders: create, get, list, cancel, images, convergence, workers."""
 
 import asyncio
+import time
 from pathlib import Path
 from typing import Any
 
@@ -151,7 +152,7 @@ async def test_convergence(body: dict[str, Any], rest: httpx.AsyncClient, folder
 async def test_workers(rest: httpx.AsyncClient, folder: DataFolder) -> None:
     assert (await rest.get("/v1/workers")).json() == {"workers": []}
     folder.database.execute(
-        "INSERT INTO worker VALUES ('w1', 1, 2, 10, 20, 5.5, 3, 1.0, unixepoch() + 0.0, 'a1')",
+        "INSERT INTO worker VALUES ('w1', 1, 2, 10, 20, 5.5, 3, 1.0, ?, 'a1')", (time.time(),)
     )
     (worker,) = (await rest.get("/v1/workers")).json()["workers"]
     assert worker == {

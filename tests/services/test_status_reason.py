@@ -154,5 +154,8 @@ async def test_workers_are_asked_for_by_what_the_work_costs(
         "UPDATE render SET state = 'RUNNING', predicted_cpu_seconds = 50, cpu_seconds = 20"
     )
     assert folder.renders.open_cpu_seconds() == pytest.approx(30.0)
+    # Not scaled to zero before its end.
+    folder.database.execute("UPDATE render SET cpu_seconds = 60")
+    assert folder.renders.open_cpu_seconds() == 1.0
     folder.requests.cancel(render_id)
     assert folder.renders.open_cpu_seconds() == 0.0

@@ -76,8 +76,8 @@ def make_render(folder: DataFolder, render_id: str, owner: str = "") -> None:
     folder.database.execute(
         """INSERT INTO render (id, request_id, request_digest, name, state, width, height, samples,
                scene_sha256, engine, created, ranges_planned, schedule, scene_document, owner)
-           VALUES (?, ?, '', 'night', 'RUNNING', 8, 8, 4, '', 3, 1.0, 1, x'', '{}', ?)""",
-        (render_id, render_id, owner),
+           VALUES (?, ?, '', 'night', 'RUNNING', 8, 8, 4, '', 3, 1.0, 1, ?, '{}', ?)""",
+        (render_id, render_id, b"", owner),
     )
 
 

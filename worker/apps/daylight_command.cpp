@@ -12,9 +12,6 @@
 namespace nocturne {
 namespace {
 
-/// Of the Sun's disc at the Earth's mean distance.
-constexpr float kSunRadius = 0.2666f * kPi / 180.0f;
-
 Vec3 vector_of(const std::vector<float>& v) { return {v.at(0), v.at(1), v.at(2)}; }
 
 std::vector<Vec3> read_suns(const std::string& path) {

@@ -27,18 +27,22 @@ double thread_cpu_seconds() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-std::string sums_to_send(const v1::Job& job, const TileSums& sums) {
-  if (job.photons_by_tiles_of() > 0) return encode_photon_sums(sums);
+void append(const std::vector<double>& values, std::string& bytes) {
+  bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(double));
+}
+
+std::string sums_to_send(const v1::Job& job, const DaylightTile& tile) {
+  if (job.photons_by_tiles_of() > 0) return encode_photon_sums(tile.sums);
   std::string bytes;
-  for (const auto* values : sums.numbers()) {
-    bytes.append(reinterpret_cast<const char*>(values->data()), values->size() * sizeof(double));
-  }
+  for (const auto* values : tile.sums.numbers()) append(*values, bytes);
+  append(tile.coefficients, bytes);
   return bytes;
 }
 
-v1::Partial to_partial(const v1::Job& job, const TileSums& tile, double cpu_seconds) {
+v1::Partial to_partial(const v1::Job& job, const DaylightTile& found, double cpu_seconds) {
+  const TileSums& tile = found.sums;
   v1::Partial partial;
-  partial.set_sums(sums_to_send(job, tile));
+  partial.set_sums(sums_to_send(job, found));
   partial.set_photons(tile.photons);
   partial.set_rays(tile.rays);
   partial.set_invalid_samples(tile.invalid_samples);
@@ -58,13 +62,8 @@ std::set<std::string> blobs_read_later(const v1::CompiledScene& message) {
   return blobs;
 }
 
-struct LoadedScene {
-  std::vector<std::shared_ptr<const SealedFile>> files;
-  std::shared_ptr<const Scene> scene;
-};
-
-std::shared_ptr<const Scene> load(AssetCache& assets, const std::string& sha256,
-                                  std::stop_token stop) {
+std::shared_ptr<const LoadedScene> load(AssetCache& assets, const std::string& sha256,
+                                        std::stop_token stop) {
   v1::CompiledScene message;
   {
     const auto file = assets.find(sha256);
@@ -81,9 +80,11 @@ std::shared_ptr<const Scene> load(AssetCache& assets, const std::string& sha256,
     if (read_later.contains(blob)) loaded->files.push_back(last);
     return last->path();
   };
-  loaded->scene = load_scene(message, find_blob, stop);
+  const std::shared_ptr<Scene> scene = load_scene(message, find_blob, stop);
+  loaded->daylight = load_daylight(message, *scene);
+  loaded->scene = scene;
   log_line(LogLevel::kInfo, "scene=" + sha256 + " loaded");
-  return {loaded, loaded->scene.get()};
+  return loaded;
 }
 
 }  // namespace
@@ -95,7 +96,7 @@ JobTracer::JobTracer(AssetCache& assets, double max_load_seconds)
               }) {}
 
 v1::Partial JobTracer::trace(const v1::Job& job, RunningJob& running) {
-  std::shared_ptr<const Scene> scene;
+  std::shared_ptr<const LoadedScene> scene;
   try {
     scene = scenes_.get(to_hex(job.scene()), running.stop_token());
   } catch (const AssetUnavailable& reason) {
@@ -103,7 +104,7 @@ v1::Partial JobTracer::trace(const v1::Job& job, RunningJob& running) {
   }
   running.begin_tracing();
   const double start = thread_cpu_seconds();
-  const TileSums sums = trace_job(*scene, job, running.stop_token());
+  const DaylightTile sums = trace_job(*scene->scene, scene->daylight, job, running.stop_token());
   return to_partial(job, sums, thread_cpu_seconds() - start);
 }
 

@@ -2,15 +2,25 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "assets/asset_cache.h"
 #include "nocturne/v1/job.pb.h"
+#include "scene/load_daylight.h"
 #include "scene/load_scene.h"
 #include "worker_loop/running_jobs.h"
 #include "worker_loop/stoppable_loads.h"
 
 namespace nocturne {
+
+struct LoadedScene {
+  /// Read while photons are traced.
+  std::vector<std::shared_ptr<const SealedFile>> files;
+  std::shared_ptr<const Scene> scene;
+  std::optional<DaylightCoefficients> daylight;
+};
 
 /// For all threads; they share the scenes.
 class JobTracer {
@@ -26,7 +36,7 @@ class JobTracer {
   // at a time load again.
   static constexpr std::size_t kScenes = 3;
 
-  StoppableLoads<std::shared_ptr<const Scene>> scenes_;
+  StoppableLoads<std::shared_ptr<const LoadedScene>> scenes_;
 };
 
 }  // namespace nocturne

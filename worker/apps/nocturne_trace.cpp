@@ -27,6 +27,7 @@
 #include "nocturne/v1/job.pb.h"
 #include "pilot_command.h"
 #include "rounding/floating_point_profile.h"
+#include "scene/load_daylight.h"
 #include "scene/load_scene.h"
 #include "trace_files.h"
 #include "trace_job.h"
@@ -131,12 +132,15 @@ std::string wavelengths_of(const v1::Sensor& sensor) {
   return whole(first) + " to " + whole(last) + " nm";
 }
 
-void write_sums(const std::string& path, const TileSums& tile) {
+void write_sums(const std::string& path, const TileSums& tile,
+                const std::vector<double>& coefficients = {}) {
   std::ofstream file(path, std::ios::binary);
-  for (const auto* values : tile.numbers()) {
-    file.write(reinterpret_cast<const char*>(values->data()),
-               static_cast<std::streamsize>(values->size() * sizeof(double)));
-  }
+  const auto write = [&](const std::vector<double>& values) {
+    file.write(reinterpret_cast<const char*>(values.data()),
+               static_cast<std::streamsize>(values.size() * sizeof(double)));
+  };
+  for (const auto* values : tile.numbers()) write(*values);
+  write(coefficients);
   finish(file, path);
 }
 
@@ -155,9 +159,11 @@ std::function<bool(std::uint32_t, const TileSums&)> asked_on_stdin(const std::st
 void run_job(const Options& options) {
   const auto job = read_message<v1::Job>(options.job);
   check_job(job);
-  const auto scene =
-      load_scene(read_message<v1::CompiledScene>(options.scene), blobs_in(options.blobs));
-  write_sums(options.output, trace_job(*scene, job));
+  const auto message = read_message<v1::CompiledScene>(options.scene);
+  const auto scene = load_scene(message, blobs_in(options.blobs));
+  const auto daylight = load_daylight(message, *scene);
+  const DaylightTile tile = trace_job(*scene, daylight, job);
+  write_sums(options.output, tile.sums, tile.coefficients);
 }
 
 // As `nocturne_scene.render_warnings` spells them for an image's header.

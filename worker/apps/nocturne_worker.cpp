@@ -27,6 +27,7 @@ struct Arguments {
   std::string id;
   std::string node;
   unsigned threads = std::max(1U, std::thread::hardware_concurrency());
+  int nice = 10;
   unsigned lease_ms = 10000;
   unsigned grace_seconds = 1;
   double load_seconds = 600.0;
@@ -86,6 +87,12 @@ void add_options(CLI::App& app, Arguments& arguments) {
   app.add_option("--threads", arguments.threads, "jobs at the same time")
       ->envname("NOCTURNE_THREADS")
       ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  app.add_option(
+         "--nice", arguments.nice,
+         "what threads at long jobs add to their nice value: other programs of the machine, "
+         "and short jobs, go first")
+      ->check(CLI::Range(0, 19))
       ->capture_default_str();
   app.add_option("--lease-ms", arguments.lease_ms,
                  "a job is somebody else's after this time without a sign of life")
@@ -184,6 +191,7 @@ int run(const Arguments& arguments) {
                                   .id = arguments.id.empty() ? default_id() : arguments.id,
                                   .floating_point_profile = nocturne::floating_point_profile(),
                                   .threads = arguments.threads,
+                                  .nice = arguments.nice,
                                   .alive = arguments.alive,
                                   .lease = std::chrono::milliseconds(arguments.lease_ms)};
   if (arguments.enrol) enrol(arguments, options);

@@ -13,6 +13,7 @@
 #include "tracer/learning/learn.h"
 #include "tracer/learning/learn_visible_sky.h"
 #include "tracer/pilot/pilot.h"
+#include "tracer/pilot/pilot_budget.h"
 
 namespace nocturne {
 namespace {
@@ -112,6 +113,7 @@ void run_pilot_command(const PilotCommand& command, v1::CompiledScene message,
                        const v1::RangeSchedule& schedule) {
   const FilmPlan plan = checked_schedule(schedule);
   auto scene = load_scene(message, blobs_in(command.blobs));
+  check_that_samples_end(*scene, plan.film, command.threads);
   const auto open = [&](const char* what) { return std::ranges::count(command.open, what) > 0; };
   const double cpu_before = process_cpu_seconds(), photons = training_samples(plan);
   Learned learned;

@@ -5,11 +5,13 @@
 
 namespace nocturne {
 
-TileSums trace_job(const Scene& scene, const v1::Job& job, const std::stop_token& stop) {
+DaylightTile trace_job(const Scene& scene, const std::optional<DaylightCoefficients>& daylight,
+                       const v1::Job& job, const std::stop_token& stop) {
   const Film film{job.film_width(), job.film_height()};
   if (job.photons_by_tiles_of() > 0) {
-    return trace_photon_range(scene, film, job.photons_by_tiles_of(),
-                              {job.first_sample(), job.end_sample()}, stop);
+    return {trace_photon_range(scene, film, job.photons_by_tiles_of(),
+                               {job.first_sample(), job.end_sample()}, stop),
+            {}};
   }
   const v1::Tile& tile = job.tile();
   const TileRange range{.x = tile.x(),
@@ -18,7 +20,8 @@ TileSums trace_job(const Scene& scene, const v1::Job& job, const std::stop_token
                         .height = tile.height(),
                         .first_sample = job.first_sample(),
                         .end_sample = job.end_sample()};
-  return trace_tile(scene, film, range, kBatchGroups, stop);
+  if (daylight) return trace_daylight_tile(scene, *daylight, film, range, stop);
+  return {trace_tile(scene, film, range, kBatchGroups, stop), {}};
 }
 
 }  // namespace nocturne

@@ -1,4 +1,7 @@
-"""Renders that come and go, as the data folder says. Pure."""
+"""Renders that come, go on otherwise and go, as the data folder says. Pure.
+
+One file, though long: all of it follows from one look at the folder.
+"""
 
 from collections import Counter, deque
 from collections.abc import Iterable, Mapping
@@ -8,6 +11,7 @@ from heapq import heapify, heappop, heappush
 from nocturne.v1 import job_pb2
 from nocturne_scene.ranges import ranges_planned
 
+from nocturne_coordinator.dispatch import film
 from nocturne_coordinator.dispatch.commits import Commits
 from nocturne_coordinator.dispatch.events import Moment, RendersSeen
 from nocturne_coordinator.dispatch.film_memory import why_too_large
@@ -15,6 +19,7 @@ from nocturne_coordinator.dispatch.instructions import (
     ERROR,
     INFO,
     WARNING,
+    AskTime,
     EndRender,
     Log,
     PublishExclusions,
@@ -31,7 +36,7 @@ from nocturne_coordinator.dispatch.instructions import (
     Withdraw,
 )
 from nocturne_coordinator.dispatch.job_cost import longest_of
-from nocturne_coordinator.dispatch.loading import Loading, steps_of
+from nocturne_coordinator.dispatch.loading import Loading, steps_of, steps_of_other_plan
 from nocturne_coordinator.dispatch.profiles import should_start_anew, usual_profiles
 from nocturne_coordinator.dispatch.range_queue import RangeQueue
 from nocturne_coordinator.dispatch.records import OpenRender, RenderState
@@ -44,6 +49,9 @@ _ODD_SECONDS = 10.0
 """How long most workers must round otherwise than a render's before it is started again: a worker's status
 holds as long, so all that are there have been seen."""
 
+
+_ADMIT_SECONDS = 0.2
+"""After so much of taking renders up, results are read, and the folder is looked at again."""
 
 _REPLAN_PAUSE = 2e-4
 """Seconds between two other schedules of a render, for each of its tiles: thirty times what one takes."""
@@ -92,8 +100,8 @@ class Admission:
         for render_id in [each for each in gone if each in state.renders]:
             yield Log(INFO, f"render={render_id} let go")
             yield from self._commits.drop(render_id)
-        for render_id, (render, _) in list(self._loading.items()):
-            if render_id not in rows or rows[render_id].fence != render.row.fence:
+        for render_id, loading in list(self._loading.items()):
+            if render_id not in rows or rows[render_id].fence != loading.render.row.fence:
                 self._load_no_more(render_id)
         part = -(-len(rows) // event.coordinators)
         yield from self._pass_on(part, at)
@@ -103,7 +111,9 @@ class Admission:
                 continue
             if row.id in state.renders:
                 if not row.asks_the_same(state.renders[row.id].row) and self._may_replan(row, at):
-                    yield from self._replan(row)
+                    yield from self._replan(row, at)
+                if row.id not in state.renders:
+                    continue
                 state.scheduler.set_priority(row.id, row.priority)
                 self._look_first(row)
                 state.renders[row.id].take_layers(row)
@@ -151,7 +161,7 @@ class Admission:
                     yield from self._commits.drop(render.id)
                     yield RefreshRenders()
 
-    def cut_long_ranges(self) -> Steps[None]:
+    def cut_long_ranges(self, at: Moment) -> Steps[None]:
         """A render whose next jobs would take too long gets shorter ranges."""
         for render in list(self._state.renders.values()):
             schedule = render.recut()
@@ -173,11 +183,14 @@ class Admission:
                 line = f"render={render.id} has ranges of at most {longest} samples{photons} from here on"
                 yield Log(INFO, line)
                 failed = tuple(render.failed_tiles.values())
-                yield from self._replan(replace(render.row, schedule=schedule, failed_tiles=failed))
+                yield from self._replan(replace(render.row, schedule=schedule, failed_tiles=failed), at)
 
-    def _replan(self, row: OpenRender) -> Steps[None]:
+    def _replan(self, row: OpenRender, at: Moment) -> Steps[None]:
         """A render that is at work goes on by another schedule, or to other conditions."""
         state, render = self._state, self._state.renders[row.id]
+        if len(render.film.queues) > film.QUEUES_AT_ONCE and not state.auditor.disputed(row.id):
+            yield from self._replan_in_steps(row, at)
+            return
         kept = render.planned.kept_in(row.schedule)
         state.to_acknowledge.setdefault(row.id, []).extend(render.replan(row))
         jobs = state.scheduler.replan(row.id, kept, render.range_queues())
@@ -186,6 +199,19 @@ class Admission:
         if jobs := [*jobs, *state.auditor.forget(row.id, kept)]:
             yield Withdraw(tuple(jobs), stop=True)
         yield Log(INFO, f"render={row.id} goes on with {ranges_planned(row.schedule)} ranges")
+
+    def _replan_in_steps(self, row: OpenRender, at: Moment) -> Steps[None]:
+        """The same of a film of many tiles: it is set aside, which others hardly notice, and taken up again,
+        with what is on the streams of it. Audits that are open are counted as not made."""
+        state = self._state
+        state.renders[row.id].commit_photons_next()
+        if jobs := state.auditor.give_up(row.id):
+            yield Withdraw(tuple(jobs), stop=True)
+        if not (yield from self._commits.commit(at)) or row.id not in state.renders:
+            yield RefreshRenders()
+            return
+        render, _ = self._commits.set_aside(row.id)
+        self._loading[row.id] = Loading(render, steps_of_other_plan(render, row), is_replanned=True)
 
     def end(self, render: OpenRender, state: RenderState, reason: str) -> Steps[None]:
         """Writes a final state."""
@@ -224,11 +250,16 @@ class Admission:
             _, number, owner = heappop(turns)
             row = queues[owner].popleft()
             is_new = not at_work[owner]
-            if row.state is RenderState.RUNNING or self._room.has(row, self._here, newcomer=is_new):
+            is_admitted = row.state is RenderState.RUNNING or self._room.has(row, self._here, newcomer=is_new)
+            if is_admitted:
                 yield from self._admit(row, at)
                 at_work[owner] += row.id in (*self._state.renders, *self._loading)
             if queues[owner]:
                 heappush(turns, turn(number, owner))
+            if is_admitted and turns and (yield AskTime()).now > at.now + _ADMIT_SECONDS:
+                # Others may have come meanwhile, whose turn it is.
+                yield RefreshRenders()
+                return
 
     def _admit(self, row: OpenRender, at: Moment) -> Steps[None]:
         taken: OpenRender | None = yield TakeRender(row.id)
@@ -271,7 +302,7 @@ class Admission:
                 yield from self._commits.report(trouble)
 
     def _load(self, render_id: str) -> Steps[None]:
-        render, steps = self._loading[render_id]
+        render, steps, is_replanned = self._loading[render_id]
         try:
             queues = next(steps)
             if queues is None:
@@ -286,13 +317,13 @@ class Admission:
             yield RefreshRenders()
             raise
         del self._loading[render_id]
-        yield from self._begin(render, queues)
+        yield from self._begin(render, queues, is_replanned)
 
     def _load_no_more(self, render_id: str) -> None:
-        render, _ = self._loading.pop(render_id)
+        render = self._loading.pop(render_id).render
         self._state.owed.append(ReleaseLease(render_id, render.row.fence))
 
-    def _begin(self, render: RunningRender, queues: list[RangeQueue]) -> Steps[None]:
+    def _begin(self, render: RunningRender, queues: list[RangeQueue], is_replanned: bool) -> Steps[None]:
         """All that was committed of it is here."""
         row = render.row
         self._state.renders[row.id] = render
@@ -304,13 +335,13 @@ class Admission:
             owner_weight=row.owner_weight,
             cost=render.cost,
         )
-        if row.fence > 1:
+        if row.fence > 1 or is_replanned:
             # Its results are read again, those too that were to be deleted when it was let go.
             self._state.to_acknowledge.pop(row.id, None)
             yield RereadResults(row.id)
         self._look_first(row)
         done, planned = render.totals.ranges, ranges_planned(row.schedule)
-        how = "resumed" if done else "started"
+        how = "goes on by another schedule" if is_replanned else "resumed" if done else "started"
         yield Log(INFO, f"render={row.id} {how}; {done} of {planned} ranges are merged")
 
     def _look_first(self, row: OpenRender) -> None:

@@ -240,6 +240,10 @@ class Auditor:
         """Whether an audit of a render is not settled."""
         return any(key.render_id == render_id for key in self._open)
 
+    def open_by_render(self) -> Counter[str]:
+        """How many audits of each render are not settled."""
+        return Counter(key.render_id for key in self._open)
+
     def only_others_could(self, render_id: str, live: Collection[str]) -> bool:
         """Whether all open audits of a render wait for somebody to come: the worker that did the work is
         there, and no other ever was."""

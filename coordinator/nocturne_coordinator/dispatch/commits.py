@@ -3,6 +3,8 @@
 Renders are let go here, too: a commit may find one lost.
 """
 
+from collections.abc import Collection
+
 from nocturne_coordinator.dispatch.events import CommitDone, MadeApart, Moment, PicturesMade
 from nocturne_coordinator.dispatch.instructions import (
     ERROR,
@@ -48,12 +50,12 @@ class Commits:
     def __init__(self, state: State) -> None:
         self._state = state
 
-    def commit(self, at: Moment) -> Steps[bool]:
+    def commit(self, at: Moment, ending: Collection[str] = ()) -> Steps[bool]:
         """Commits what changed; on trouble says so, gives False, and all stays as it is until the next
-        time."""
+        time. `ending`: renders whose last pictures come next, so that others are not made."""
         self._state.next_commit = at.now + self._state.settings.commit_seconds
         try:
-            yield from self._commit(at)
+            yield from self._commit(at, ending)
         except LeaseLost as lost:
             yield from self.lose(lost.render_id)
         except StoreUnavailable as trouble:
@@ -67,10 +69,12 @@ class Commits:
         self._state.folder_trouble = True
         yield Log(ERROR, f"can't write to the data folder: {trouble}; no new jobs until it works")
 
-    def _commit(self, at: Moment) -> Steps[None]:
+    def _commit(self, at: Moment, ending: Collection[str]) -> Steps[None]:
         state = self._state
+        audits = state.auditor.open_by_render()
         for render in state.renders.values():
             render.count_unaudited(state.auditor.unsettled.pop(render.id, 0))
+            render.audits_open = audits[render.id]
         changed = [
             (render, changes)
             for render in state.renders.values()
@@ -92,7 +96,7 @@ class Commits:
         if to_acknowledge := [entry for each in state.to_acknowledge.values() for entry in each]:
             yield Acknowledge(tuple(to_acknowledge))
         state.to_acknowledge.clear()
-        yield from self._show(at)
+        yield from self._show(at, ending)
 
     def write_owed(self, at: Moment) -> Steps[None]:
         """Carries out all owed writes, until one fails: that one, and those after it, are owed still."""
@@ -132,23 +136,31 @@ class Commits:
     def drop(self, render_id: str, jobs_stay: bool = False) -> Steps[None]:
         """Works on the render no more. `jobs_stay`: another coordinator will want its jobs and results."""
         state = self._state
-        jobs = [*state.scheduler.remove(render_id), *state.auditor.forget(render_id)]
-        state.failure_policy.forget(render_id)
-        state.waits_for_audits_since.pop(render_id, None)
-        state.minority_since.pop(render_id, None)
-        render = state.renders.pop(render_id)
+        render, jobs = self.set_aside(render_id)
         if not jobs_stay:
             if jobs:
                 yield Withdraw(tuple(jobs), stop=True)
             state.to_acknowledge.setdefault(render_id, []).extend(render.waiting_entries())
         state.owed.append(ReleaseLease(render_id, render.row.fence))
 
+    def set_aside(self, render_id: str) -> tuple[RunningRender, list[bytes]]:
+        """The render gets no jobs and no results here; both stay where they are, as does its lease. Gives the
+        entries of its jobs, too."""
+        state = self._state
+        jobs = [*state.scheduler.remove(render_id), *state.auditor.forget(render_id)]
+        state.failure_policy.forget(render_id)
+        state.waits_for_audits_since.pop(render_id, None)
+        state.minority_since.pop(render_id, None)
+        return state.renders.pop(render_id), jobs
+
     # --- pictures ---
 
-    def _show(self, at: Moment) -> Steps[None]:
+    def _show(self, at: Moment, ending: Collection[str]) -> Steps[None]:
         """Previews that are due, of renders with new samples, never more often than they are worth."""
         changed = [
-            each for each in self._state.renders.values() if each.totals.photons != each.pictured_photons
+            each
+            for each in self._state.renders.values()
+            if each.totals.photons != each.pictured_photons and each.id not in ending
         ]
         part = min(1.0, _FULL_SHARES / max(1, len(changed)))
         until = at.now + _SHOW_SECONDS

@@ -90,7 +90,7 @@ class Core:
             yield from self._follow(self.results.lost_worker(*self.state.lost.pop(), at.now))
         yield from self._admission.load()
         yield from self._admission.restart_minority_profile_renders(at)
-        yield from self._admission.cut_long_ranges()
+        yield from self._admission.cut_long_ranges(at)
         yield from self._endings.finish(at)
         state = self.state
         if any(render.is_unseen for render in state.renders.values()):

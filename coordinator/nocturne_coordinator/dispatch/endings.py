@@ -47,7 +47,7 @@ class Endings:
         for render, *_ in endings:
             if jobs := self._state.auditor.give_up(render.id):
                 yield Withdraw(tuple(jobs), stop=True)
-        if not (yield from self._commits.commit(at)):
+        if not (yield from self._commits.commit(at, {render.id for render, *_ in endings})):
             return
         try:
             yield from self._end_failed()

@@ -30,7 +30,7 @@ class MergedFilm:
         """`stop` says which tiles end before the schedule does. ValueError if it does not fit the
         schedule. `in_steps`: `building` follows."""
         grid, schedule = render.grid, render.schedule
-        self._own = self._shown = FilmSums.zeros(grid, render.further)
+        self._own = self._shown = FilmSums.zeros(grid, render.further, schedule.coefficients)
         self.counts: Counts = np.zeros((schedule.height, schedule.width), dtype=np.uint32)
         self._tile_counts: list[Counts] = []
         self._shown_samples = 0
@@ -85,11 +85,19 @@ class MergedFilm:
     def replan(self, render: PlannedRender, stop: StopConditions) -> None:
         """Goes on by another schedule, which begins with the ranges that are merged or wait, and by other
         conditions."""
+        for _ in self.replanning(render, stop):
+            pass
+
+    def replanning(self, render: PlannedRender, stop: StopConditions) -> Iterator[None]:
+        """The same in steps, between which others may have their turn."""
         self._plan(render, stop)
+        yield
         for index, queue in enumerate(self.queues):
+            if index and index % QUEUES_AT_ONCE == 0:
+                yield
             if queue.merged:
                 self._note_end(index, self.error_before(index))
-        self.loaded()
+        yield from self.loading()
 
     def load(
         self, index: int, samples: int, sums: bytes, error_before: float = 0.0, photons: bytes = b""

@@ -11,7 +11,8 @@ _NUMBER_BYTES = 8
 def numbers_of(schedule: job_pb2.RangeSchedule) -> int:
     """Numbers in a render's sums: its film's, and with forward photons theirs and those of both together."""
     films = 3 if schedule.photon_range_ends else 1
-    return films * schedule.width * schedule.height * sums_per_pixel(len(schedule.further_responses))
+    of_pixel = sums_per_pixel(len(schedule.further_responses)) + schedule.coefficients
+    return films * schedule.width * schedule.height * of_pixel
 
 
 def max_numbers(memory: int) -> int:

@@ -10,6 +10,7 @@ from nocturne_scene.tile_sums import (
     BLOCK,
     PRODUCTS,
     TileSums,
+    Values,
     blocks_in,
     products_of_tile,
     sums_per_pixel,
@@ -25,11 +26,15 @@ class FilmSums:
     """Products of tiles: a row for each."""
 
     @classmethod
-    def zeros(cls, grid: TileGrid, further: int) -> Self:
+    def zeros(cls, grid: TileGrid, further: int, coefficients: int = 0) -> Self:
         """Of a film without samples."""
         pixels = np.zeros((grid.height, grid.width, sums_per_pixel(further)))
         blocks = np.zeros((blocks_in(grid.height), blocks_in(grid.width), PRODUCTS))
-        return cls(grid, TileSums(pixels, blocks, np.zeros((grid.count, products_of_tile(further)))))
+        products = np.zeros((grid.count, products_of_tile(further)))
+        if not coefficients:
+            return cls(grid, TileSums(pixels, blocks, products))
+        of_daylight = np.zeros((grid.height, grid.width, coefficients))
+        return cls(grid, TileSums(pixels, blocks, products, of_daylight))
 
     def tile(self, index: int) -> TileSums:
         """Views of a tile's."""
@@ -40,6 +45,7 @@ class FilmSums:
             self.whole.pixels[self.area(index)],
             self.whole.block_products[rows, columns],
             self.whole.tile_products[index : index + 1],
+            self._coefficients(self.area(index)),
         )
 
     def tiles(self) -> Iterator[tuple[TileSums, tuple[slice, slice]]]:
@@ -57,8 +63,13 @@ class FilmSums:
         for y, block_rows in steps(self.grid.height):
             row, row_blocks = pixels[y], blocks[block_rows]
             for x, block_columns in columns:
-                yield TileSums(row[:, x], row_blocks[:, block_columns], products[index : index + 1]), (y, x)
+                views = row[:, x], row_blocks[:, block_columns], products[index : index + 1]
+                yield TileSums(*views, self._coefficients((y, x))), (y, x)
                 index += 1
+
+    def _coefficients(self, area: tuple[slice, slice]) -> Values:
+        whole = self.whole.coefficients
+        return whole[area] if whole.size else whole
 
     def area(self, index: int) -> tuple[slice, slice]:
         """A tile's pixels."""

@@ -25,7 +25,7 @@ class Fleet:
         self.threads = 0
         """Of all workers that take jobs."""
         self.takers = 0
-        """Workers that take jobs, each with one further thread for quick copies."""
+        """Workers that take jobs, each with two further threads for quick copies."""
         self.votes_by_profile: Mapping[str, int] = {}
         """Of all that could work, whatever the renders need; owners, where there are several."""
         self.jobs_of_others = 0

@@ -38,6 +38,11 @@ class Log(Instruction):
     message: str
 
 
+@dataclass(frozen=True, slots=True)
+class AskTime(Instruction):
+    """Answer: the moment, of an event that takes long."""
+
+
 # --- queue ---
 
 

@@ -63,11 +63,14 @@ class PlannedRender:
 
     def kept_in(self, schedule: job_pb2.RangeSchedule) -> list[int]:
         """Per queue, how many of its first ranges another schedule of the render has, too."""
+        if schedule == self.schedule:
+            of_photons = [len(self.photon_ranges)] * (self.queues - self.grid.count)
+            return [len(self.ranges)] * self.grid.count + of_photons
         of_tiles = _same(self.schedule.range_ends, schedule.range_ends)
         photons = [_same(self.schedule.photon_range_ends, schedule.photon_range_ends)]
         return [of_tiles] * self.grid.count + photons * (self.queues - self.grid.count)
 
-    @property
+    @cached_property
     def photon_index(self) -> int:
         """Index of the queue of forward photons, after those of tiles."""
         return self.grid.count
@@ -156,7 +159,8 @@ class PlannedRender:
         """The sums of a partial result of a job that was found; RejectedResult if they can't be."""
         if job.photons_by_tiles_of:
             return self._check_photons(partial, job)
-        return check_partial(partial, job, self.further, self.photons_per_sample, self.signed)
+        coefficients = self.schedule.coefficients
+        return check_partial(partial, job, self.further, self.photons_per_sample, self.signed, coefficients)
 
     def _check_photons(self, partial: job_pb2.Partial, job: job_pb2.Job) -> PackedPhotons:
         photons = (job.end_sample - job.first_sample) * PHOTON_BUNDLE
@@ -189,18 +193,21 @@ def check_partial(
     further: int,
     photons_per_sample: int = 1,
     signed: Sequence[bool] = (),
+    coefficients: int = 0,
 ) -> TileSums:
     """The sums of a partial result of a job; RejectedResult if they can't be."""
     pixels = job.tile.width * job.tile.height
     samples = job.end_sample - job.first_sample
     _check_counts(partial, pixels * samples * photons_per_sample)
-    expected = 8 * numbers_in(job.tile.width, job.tile.height, further)
+    expected = 8 * (numbers_in(job.tile.width, job.tile.height, further) + coefficients * pixels)
     # Each time that it is asked for is a copy.
     encoded = partial.sums
     if len(encoded) != expected:
         raise RejectedResult(f"sums of {len(encoded)} bytes; expected {expected}")
     sums = decode(encoded, job.tile.width, job.tile.height, further)
     check_sums(sums, samples, signed)
+    if sums.coefficients.size:
+        _check_range(sums.coefficients)
     return sums
 
 

@@ -1,12 +1,12 @@
 """Which jobs are put on the stream of quick copies as well (docs/decisions/0185). Pure.
 
-Jobs may take a minute, and another owner's small render would wait behind them. Each worker has one further
-thread that takes quick copies and nothing else. A quick copy is a job like any other; the first result of a
+Jobs may take a minute, and another owner's small render would wait behind them. Each worker has two further
+threads that take quick copies and nothing else. A quick copy is a job like any other; the first result of a
 range counts, wherever it was traced.
 """
 
 from collections import Counter
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from nocturne_coordinator.dispatch.liveness import Holder
 from nocturne_coordinator.dispatch.quick_entries import is_quick
@@ -19,6 +19,9 @@ WAIT_SECONDS = 0.3
 
 LOOK_SECONDS = 0.1
 """Between two looks for jobs that need one."""
+
+_PLACES_OF_WORKER = 2
+"""So that with one worker, too, no owner has all."""
 
 _PART_OF_OWNER = 4
 """One owner has one of so many, and at least one."""
@@ -63,9 +66,24 @@ class QuickCopies:
             render.id for render in small if render.row.owner not in refused and held[render.row.owner] < part
         ]
 
-    def room_ahead(self, renders: Collection[str]) -> int:
-        """Jobs of these renders that may be published though the window is full."""
-        return self._room - len(self._state.scheduler.out(renders)) if renders else 0
+    def rooms_ahead(
+        self, renders: Collection[str], taken: Collection[JobKey]
+    ) -> Iterator[tuple[set[str], int]]:
+        """Of each owner of these renders its renders, and how many jobs of them may be published though the
+        window is full, besides those that are `taken` now: one owner's do not stand in for another's."""
+        of_owner: dict[str, set[str]] = {}
+        for render in renders:
+            of_owner.setdefault(self._state.renders[render].row.owner, set()).add(render)
+        keys = [key for key, _ in self._state.scheduler.out(renders)]
+        out = Counter(
+            self._owner(key) for key in (*keys, *(key for key in taken if key.render_id in renders))
+        )
+        left = MAX_QUICK_COPIES - out.total()
+        for owner in sorted(of_owner, key=lambda owner: self._last.get(owner, 0.0)):
+            room = min(self._most_of_owner - out[owner], left)
+            if room > 0:
+                left -= room
+                yield of_owner[owner], room
 
     def wanted(self, renders: Collection[str], now: float) -> list[JobKey]:
         """Jobs and audits of these renders that get a quick copy now, of each owner a few, the owner first
@@ -76,7 +94,7 @@ class QuickCopies:
         out = [*state.scheduler.out(state.renders), *state.auditor.out(state.renders)]
         by_owner = Counter(self._owner(key) for key, published in out if published.has_quick)
         left = self._room - by_owner.total()
-        most = max(1, self._room // _PART_OF_OWNER)
+        most = self._most_of_owner
         waiting = [each for each in out if each[0].render_id in renders and self._needs_one(*each, now)]
         found: list[JobKey] = []
         for key, _ in sorted(waiting, key=self._turn):
@@ -102,8 +120,12 @@ class QuickCopies:
         return self._last.get(self._owner(key), 0.0), published.at
 
     @property
+    def _most_of_owner(self) -> int:
+        return max(1, self._room // _PART_OF_OWNER)
+
+    @property
     def _room(self) -> int:
-        return min(self._state.fleet.takers, MAX_QUICK_COPIES)
+        return min(_PLACES_OF_WORKER * self._state.fleet.takers, MAX_QUICK_COPIES)
 
     def _is_a_thread_free(self) -> bool:
         state = self._state

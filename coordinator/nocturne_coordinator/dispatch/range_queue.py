@@ -30,6 +30,9 @@ class RangeState(IntEnum):
     """No more of its queue are needed."""
 
 
+STATES = tuple(RangeState)
+"""By their numbers, which is quicker than the class."""
+
 _PLANNED, _PUBLISHED, _HELD, _COMPLETED, _COMMITTED, *_CLOSED = RangeState
 
 _TRANSITIONS = {
@@ -88,6 +91,7 @@ class RangeQueue:
     def __post_init__(self) -> None:
         if self.horizon < 0:
             self.horizon = len(self.states)
+        self.following = self.next()
 
     @property
     def done(self) -> int:
@@ -125,7 +129,7 @@ class RenderQueues:
     """Ranges that are published or held."""
 
     def __post_init__(self) -> None:
-        self.order(frozenset())
+        self._order(frozenset())
 
     def take(self, queues: Sequence[RangeQueue]) -> None:
         """Other ranges in the place of all."""
@@ -135,9 +139,13 @@ class RenderQueues:
 
     def order(self, first: frozenset[int]) -> None:
         """Rebuilds the heap, with these queues before the others."""
+        for queue in self.queues:
+            queue.following = queue.next()
+        self._order(first)
+
+    def _order(self, first: frozenset[int]) -> None:
         self.first, self.ready = first, []
         for number, queue in enumerate(self.queues):
-            queue.following = queue.next()
             if queue.following >= 0:
                 self.ready.append(self._entry(number, queue.following))
         heapify(self.ready)
@@ -150,13 +158,15 @@ class RenderQueues:
     def move(self, number: int, index: int, to: RangeState) -> None:
         """Brings a range to another state; InvalidTransition where none leads there."""
         states = self.queues[number].states
-        before = RangeState(states[index])
+        before = STATES[states[index]]
         if to not in _TRANSITIONS.get(before, ()):
             place = f"render={self.render_id} tile={number} range={index}"
             raise InvalidTransition(f"{place} is {before.name} and can't become {to.name}")
         states[index] = to
         self.in_flight += (to in IN_FLIGHT) - (before in IN_FLIGHT)
-        self._follow(number)
+        # A result that is kept, and a commit, change neither what is planned nor how many are done.
+        if (before is _PUBLISHED and to is not _HELD) or (before is not _PUBLISHED and to is not _COMMITTED):
+            self._follow(number)
 
     def pop(self) -> tuple[int, int] | None:
         """Queue and range to publish next, if there is one; it is to be moved to published."""

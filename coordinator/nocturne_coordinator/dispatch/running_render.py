@@ -80,6 +80,7 @@ class RunningRender:
         self._judged_photons = 0
         self.gets_quick_copies = True
         """Until one of them takes too long."""
+        self.audits_open = 0
         self.next_preview = 0.0
         self.next_replan = 0.0
         self.next_figures = 0.0
@@ -144,8 +145,10 @@ class RunningRender:
 
     def can_replan(self, row: OpenRender) -> bool:
         """Whether all that is merged is of ranges that the row's schedule has, too."""
-        kept = self.planned.kept_in(row.schedule)
         now = self.planned.schedule
+        if row.schedule == now:
+            return True
+        kept = self.planned.kept_in(row.schedule)
         if kept[0] >= len(now.range_ends) and kept[-1] >= len(now.photon_range_ends):
             # Nothing was taken away: no need to look at each of many tiles.
             return True
@@ -160,19 +163,32 @@ class RunningRender:
             for queue, most in zip(self.film.queues, kept, strict=True)
             for index in [each for each in queue.waiting if each >= most]
         ]
+        self._ask_for(row)
+        self.film.replan(self.planned, row.stop)
+        for tile_index in self.failed_tiles:
+            surplus += self.film.give_up(tile_index)
+        for queue in self.film.queues:
+            surplus += queue.close() if queue.closed else []
+        return [each.entry for each in surplus]
+
+    def replanning(self, row: OpenRender) -> Iterator[None]:
+        """The same in steps, between which others may have their turn, of a render that is set aside: all
+        that is merged is committed, and results that wait come again."""
+        self._ask_for(row)
+        for queue in self.film.queues:
+            queue.waiting.clear()
+        yield from self.film.replanning(self.planned, row.stop)
+        for tile_index in self.failed_tiles:
+            self.film.give_up(tile_index)
+
+    def _ask_for(self, row: OpenRender) -> None:
         # Its time of running is counted here.
         self.row = replace(row, ran_seconds=self.row.ran_seconds)
         self.planned = replace(self.planned, schedule=row.schedule)
         self.failed_tiles = {each.tile_index: each for each in row.failed_tiles}
         self._longest.clear()
         self._is_unreachable = False
-        self.film.replan(self.planned, row.stop)
-        for tile_index in self.failed_tiles:
-            surplus += self.film.give_up(tile_index)
-        for queue in self.film.queues:
-            surplus += queue.close() if queue.closed else []
         self._dirty_totals = True
-        return [each.entry for each in surplus]
 
     def range_queues(self) -> list[RangeQueue]:
         """Of tiles, and of forward photons, when all that is merged is committed."""
@@ -417,7 +433,8 @@ class RunningRender:
             self.id,
             self.row.fence,
             TileRows(self.committing, self._whole_row if with_photons else self._row),
-            self.totals,
+            # Open ones are forgotten with the coordinator.
+            replace(self.totals, unaudited=self.totals.unaudited + self.audits_open),
             rate,
             ran_seconds=self.ran_seconds(now),
             tiles_done=self.film.tiles_done,
@@ -434,13 +451,14 @@ class RunningRender:
         return bool(self._photon_entries) and is_due
 
     def _row(self, index: int) -> TileRow:
-        film = self.film
-        row = TileRow(index, film.samples(index), b"", self._invalid_samples[index], film.error_before(index))
-        if index == self.planned.photon_index:
+        film, is_tile = self.film, index != self.planned.photon_index
+        own = film.tile_bytes(index) if is_tile and index in self._dirty else b""
+        sums = own if film.forward is None else b""
+        row = TileRow(
+            index, film.samples(index), sums, self._invalid_samples[index], film.error_before(index)
+        )
+        if film.forward is None or not is_tile:
             return row
-        own = film.tile_bytes(index) if index in self._dirty else b""
-        if film.forward is None:
-            return replace(row, sums=own)
         samples = film.samples_shown(index) or row.samples
         return replace(row, samples=samples, sums=film.shown_bytes(index), own=own)
 

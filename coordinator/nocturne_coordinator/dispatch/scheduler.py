@@ -13,6 +13,7 @@ from typing import NamedTuple
 from nocturne_coordinator.dispatch.quick_entries import is_quick
 from nocturne_coordinator.dispatch.range_queue import (
     IN_FLIGHT,
+    STATES,
     FairShare,
     RangeQueue,
     RangeState,
@@ -257,9 +258,16 @@ class Scheduler:
         return found
 
     def _start(self, item: tuple[str, RenderQueues]) -> tuple[float, str, float]:
+        # As `FairShare.start` has it, for each render and job.
         queue = item[1]
-        owner = self._owners[queue.owner]
-        return owner.start(self._farm), queue.owner, queue.share.start(owner)
+        name, share = queue.owner, queue.share
+        owner, farm = self._owners[name], self._farm.now
+        finish, own = share.finish, owner.now
+        return (
+            farm if farm > owner.finish else owner.finish,
+            name,
+            own if own > finish else finish,
+        )
 
     def slow(self, now: float, count: int) -> list[JobKey]:
         """Up to `count` jobs that are out for much longer than others and have no copy yet, oldest first."""
@@ -283,7 +291,7 @@ class Scheduler:
     def state_of(self, key: JobKey) -> RangeState | None:
         """None: it is no range of a running render."""
         try:
-            return RangeState(self._queues[key.render_id].queues[key.tile_index].states[key.range_index])
+            return STATES[self._queues[key.render_id].queues[key.tile_index].states[key.range_index]]
         except (KeyError, IndexError):
             return None
 

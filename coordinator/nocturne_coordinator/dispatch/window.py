@@ -131,10 +131,8 @@ class Window:
         """Jobs to publish; of renders that may have quick copies also where the window is full of others'."""
         scheduler, not_wanted = self._state.scheduler, self._not_wanted()
         keys = scheduler.take(min(self.size - scheduler.in_flight, _MAX_PUBLISH), not_wanted)
-        room = self.quick_copies.room_ahead(quick) - sum(key.render_id in quick for key in keys)
-        if room > 0:
-            others = self._state.renders.keys() - set(quick)
-            keys += scheduler.take(room, {*not_wanted, *others})
+        for renders, room in self.quick_copies.rooms_ahead(quick, keys):
+            keys += scheduler.take(room, {*not_wanted, *(self._state.renders.keys() - renders)})
         return keys
 
     def _fill_quick(self, renders: list[str], at: Moment) -> Steps[None]:

@@ -39,6 +39,9 @@ _BUSY_S, _BUSY_S_PER_PIXEL = 60.0, 2e-5
 """What a picture may take: over ten times the processor time of the last EXR, 1.6e-6 s a pixel, for there
 may be many other processes and a slow disk."""
 
+_ENDED_SECONDS = 0.2
+"""After so much of pictures of ended renders, those at work get their turn."""
+
 _log = logging.getLogger(__name__)
 
 
@@ -62,10 +65,14 @@ class Previews:
         """What reproduces the failure of a tile; OSError, NotFound."""
         write_bundle(self._folder, render.planned, failed)
 
-    def finish_ended(self, unix_time: float) -> None:
+    def finish_ended(self, unix_time: float) -> bool:
         """Final images of renders that were cancelled or failed, from committed sums. One whose images can't
-        be made is tried again later, and delays no other render's."""
+        be made is tried again later, and delays no other render's. Whether all were looked at: after a while
+        the others are left to the next call."""
+        until = time.monotonic() + _ENDED_SECONDS
         for waiting in self._ledger.renders.ended_without_image():
+            if time.monotonic() > until:
+                return False
             if self._is_apart(waiting):
                 self._finish_apart(waiting)
             elif self._pauses.over(waiting.id):
@@ -76,6 +83,7 @@ class Previews:
                     _log.error("render=%s has no image yet: %s", waiting.id, error)
                 else:
                     self._pauses.worked(waiting.id)
+        return True
 
     def _finish_here(self, render_id: str, unix_time: float) -> None:
         row = self._ledger.renders.take(render_id)

@@ -6,7 +6,7 @@ JOBS = PREFIX + "jobs"
 """Stream; each entry has one field JOB_FIELD, a serialised Job."""
 
 QUICK_JOBS = PREFIX + "quick"
-"""Stream of quick copies, which one further thread of each worker takes; as JOBS. The coordinator calls its
+"""Stream of quick copies, which two further threads of each worker take; as JOBS. The coordinator calls its
 entries `quick:<entry>`."""
 
 RESULTS = PREFIX + "results"

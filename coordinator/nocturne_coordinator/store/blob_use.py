@@ -16,7 +16,8 @@ class BlobUse:
     def note(self, render_id: str, blobs: Iterable[str]) -> None:
         """To be called in the transaction that makes the render, or gives it the blobs."""
         self._database.execute_many(
-            "INSERT OR IGNORE INTO blob_use VALUES (?, ?)", [(render_id, sha256) for sha256 in blobs]
+            "INSERT INTO blob_use VALUES (?, ?) ON CONFLICT DO NOTHING",
+            [(render_id, sha256) for sha256 in blobs],
         )
 
     def of(self, render_id: str) -> tuple[str, ...]:

@@ -85,10 +85,11 @@ class Commits:
             """INSERT INTO tile (render_id, tile_index, samples, sums, invalid_samples, error_before, own,
                    photons, revision)
                VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, (SELECT sequence FROM render WHERE id = ?1))
-               ON CONFLICT DO UPDATE SET samples = excluded.samples, sums = excluded.sums,
+               ON CONFLICT (render_id, tile_index)
+               DO UPDATE SET samples = excluded.samples, sums = excluded.sums,
                    invalid_samples = excluded.invalid_samples, error_before = excluded.error_before,
-                   own = iif(length(excluded.own), excluded.own, own),
-                   photons = iif(length(excluded.photons), excluded.photons, photons),
+                   own = iif(length(excluded.own) > 0, excluded.own, tile.own),
+                   photons = iif(length(excluded.photons) > 0, excluded.photons, tile.photons),
                    revision = excluded.revision""",
             (
                 (
@@ -105,7 +106,7 @@ class Commits:
             ),
         )
         self._database.execute_many(
-            "INSERT OR IGNORE INTO contribution VALUES (?, ?, ?)",
+            "INSERT INTO contribution VALUES (?, ?, ?) ON CONFLICT DO NOTHING",
             [
                 (commit.render_id, tile, worker)
                 for tile, workers in commit.contributors.items()
@@ -115,7 +116,9 @@ class Commits:
 
     def _write_failed_tiles(self, commit: RenderCommit) -> None:
         self._database.execute_many(
-            "INSERT OR REPLACE INTO failed_tile VALUES (?, ?, ?, ?, ?, ?)",
+            """INSERT INTO failed_tile VALUES (?, ?, ?, ?, ?, ?) ON CONFLICT (render_id, tile_index)
+               DO UPDATE SET first_sample = excluded.first_sample, end_sample = excluded.end_sample,
+                   reason = excluded.reason, workers = excluded.workers""",
             [
                 (
                     commit.render_id,
@@ -177,7 +180,7 @@ class Commits:
                     state.value,
                     reason,
                     now,
-                    state.has_image,
+                    int(state.has_image),
                     render.id,
                     render.schedule.SerializeToString(deterministic=True),
                     render.stop.to_json(),

@@ -1,6 +1,7 @@
 """One folder that holds everything worth keeping: renders, committed sums, blobs, images.
 
-    nocturne.db      renders, tiles, workers (SQLite in WAL mode)
+    nocturne.db      renders, tiles, workers (SQLite in WAL mode), or
+    postgresql       where they are on a server instead (see databases.py)
     blobs/           scenes and assets by SHA-256
     images/<id>/     preview.png, thumbnail.png and image.exr of a render, failed-tile-<tile>.zip
     checkpoints/     the last two copies of the database (see checkpoint.py)
@@ -10,7 +11,6 @@
 The API and the coordinator open it at the same time; only the coordinator's `store.ledger` writes sums.
 """
 
-import sqlite3
 from pathlib import Path
 
 from nocturne_scene.blobs import BlobStore
@@ -20,7 +20,8 @@ from nocturne_coordinator.errors import UnusableFolder
 from nocturne_coordinator.store.archive import Archive
 from nocturne_coordinator.store.blob_use import BlobUse, Removals
 from nocturne_coordinator.store.calls import Calls
-from nocturne_coordinator.store.database import Database
+from nocturne_coordinator.store.database import DatabaseTrouble
+from nocturne_coordinator.store.databases import open_database
 from nocturne_coordinator.store.layers import RenderLayers
 from nocturne_coordinator.store.machines import Machines
 from nocturne_coordinator.store.measured_regions import MeasuredRegions
@@ -30,6 +31,7 @@ from nocturne_coordinator.store.privacy import make_private
 from nocturne_coordinator.store.quotas import Uploads
 from nocturne_coordinator.store.render_requests import RenderRequests
 from nocturne_coordinator.store.renders import Renders
+from nocturne_coordinator.store.sessions import Sessions
 from nocturne_coordinator.store.tiles import Tiles
 from nocturne_coordinator.store.tokens import Tokens
 from nocturne_coordinator.store.webhooks import Webhooks
@@ -48,13 +50,11 @@ class DataFolder:
         self.root = path
         try:
             _make(path)
-            if not (path / "nocturne.db").exists() and any((path / "checkpoints").glob("*.json")):
-                raise UnusableFolder(f"{path / 'nocturne.db'} is gone; run nocturne restore")
-            self.database = Database(path / "nocturne.db")
+            self.database = open_database(path)
             self.object_store = objects
             self.blobs = BlobStore(path / "blobs", objects)
             sync(path)
-        except (OSError, sqlite3.Error) as trouble:
+        except (OSError, DatabaseTrouble) as trouble:
             raise UnusableFolder.because(path, trouble) from trouble
         self.tiles = Tiles(self.database)
         self.blob_use = BlobUse(self.database)
@@ -67,6 +67,7 @@ class DataFolder:
         self.meters = Meters(self.database)
         self.calls = Calls(self.database)
         self.tokens = Tokens(self.database)
+        self.sessions = Sessions(self.database, self.tokens)
         self.archive = Archive(self.database)
         self.webhooks = Webhooks(self.database)
         self.removals = Removals(self.database)

@@ -1,232 +1,122 @@
-"""The SQLite file of a data folder: connection and transactions, for many processes and threads."""
+"""What a data folder's database is to all that use it: statements and transactions, for many processes and
+threads.
 
-import os
+Statements are of the SQL that SQLite and PostgreSQL have in common. `?` is the next value, `?1` the first.
+The few functions of SQLite's that they use are made in PostgreSQL (decision 0190).
+"""
+
 import sqlite3
-import tempfile
-import threading
-import time
-from collections.abc import Iterable, Iterator
-from contextlib import closing, contextmanager
-from pathlib import Path
-from typing import Any
-from urllib.parse import quote
+from abc import ABC, abstractmethod
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import AbstractContextManager
+from typing import Any, Protocol
 
 from nocturne_scene.errors import NocturneError
-from nocturne_scene.replacing import UNFINISHED
 
-from nocturne_coordinator.errors import UnusableFolder
-from nocturne_coordinator.store.migrate import migrate
+Values = tuple[Any, ...]
 
-# A tile is 75 KiB: with pages of 16 KiB it is five of them, not nineteen.
-_PAGE_BYTES = 16384
-_BUSY_MILLISECONDS = 30_000
-_AGAIN_SECONDS = 0.01
+DatabaseTrouble = sqlite3.Error
+"""What databases raise."""
+
+DatabaseUnavailable = sqlite3.OperationalError
+"""What they raise where it may pass: full, locked for too long, not to be written, not to be reached."""
 
 
-class FolderGone(NocturneError, sqlite3.OperationalError):
+class FolderGone(NocturneError, DatabaseUnavailable):
     """The data folder was moved away, or another one is in its place; it passes when the folder is back."""
 
 
-class Database:
-    """One connection, shared by the threads of a process under a lock; for readers more, where wanted."""
+class Row(Protocol):
+    """One row: values by name or place."""
 
-    def __init__(self, path: Path) -> None:
-        """Opens or creates the file; UnusableFolder if another version wrote it, or if it is damaged."""
-        self._path = path
-        self._file: tuple[int, int] | None = None
-        self._lock = threading.RLock()
-        self._durable: bool | None = None
-        self._writer = 0
-        """The thread that is inside a transaction."""
-        self._readers: list[sqlite3.Connection] | None = None
-        """Those that nobody uses just now; None: all read by the one connection."""
-        self._counter: sqlite3.Connection | None = None
-        self._connection = self._connect()
-        try:
-            self._prepare(path)
-            # One in memory has no file.
-            self._file = _identity(path) if path.exists() else None
-        except BaseException as trouble:
-            self._connection.close()
-            # An operational error (full, locked, not to be written) passes; any other of SQLite's is damage.
-            if not isinstance(trouble, sqlite3.DatabaseError) or isinstance(
-                trouble, sqlite3.OperationalError
-            ):
-                raise
-            raise UnusableFolder(
-                f"{path} is damaged ({trouble}); stop the service and run nocturne restore"
-            ) from trouble
+    def __getitem__(self, key: Any, /) -> Any: ...
 
-    def _prepare(self, path: Path) -> None:
-        # First of all: the statements after it may meet another process that creates the file just now.
-        self._connection.execute(f"PRAGMA busy_timeout = {_BUSY_MILLISECONDS}")
-        self._connection.execute(f"PRAGMA page_size = {_PAGE_BYTES}")
-        self._write_ahead()
-        with self.transaction():
-            migrate(self._connection, str(path))
-        # After an upgrade that remakes tables: dropping the old one must not delete the rows that refer to
-        # it.
-        self._connection.execute("PRAGMA foreign_keys = ON")
+    def __iter__(self) -> Iterator[Any]: ...
 
-    def _connect(self) -> sqlite3.Connection:
-        connection = sqlite3.connect(self._path, isolation_level=None, check_same_thread=False)
-        connection.row_factory = sqlite3.Row
-        # SQLite's own lower() knows the letters A to Z alone.
-        connection.create_function("casefold", 1, str.casefold, deterministic=True)
-        return connection
+    def keys(self) -> Iterable[str]:
+        """The names of the columns."""
+        ...
 
+
+class FolderLock(ABC):
+    """What coordinators hold while they work on a data folder; it ends with their process."""
+
+    @abstractmethod
+    def starting(self) -> AbstractContextManager[None]:
+        """One at a time is inside, of all that start; they wait for milliseconds."""
+
+    @abstractmethod
+    def take(self, alone: bool) -> bool:
+        """Holds the folder alone, or together with others that do not; False where somebody is in the way."""
+
+    @abstractmethod
+    def share(self) -> None:
+        """Lets others in that take it not alone."""
+
+    @abstractmethod
+    def owner(self) -> str:
+        """Who holds it, for people; empty: not known."""
+
+    @abstractmethod
+    def close(self) -> None:
+        """Lets go."""
+
+
+class Database(ABC):
+    """The database of a data folder. Raises DatabaseTrouble; where it may pass, DatabaseUnavailable."""
+
+    @abstractmethod
     def read_beside(self, wait_seconds: float) -> None:
         """From here on threads that read wait neither for each other nor for one that writes, and one that
         writes waits so long at most for another process that does."""
-        self._connection.execute(f"PRAGMA busy_timeout = {int(1000 * wait_seconds)}")
-        self._readers, self._counter = [], self._reader()
 
-    def _reader(self) -> sqlite3.Connection:
-        connection = self._connect()
-        connection.execute("PRAGMA query_only = ON")
-        return connection
-
-    @contextmanager
-    def _reading(self, query: str) -> Iterator[sqlite3.Connection]:
-        """Reads in a transaction see its own writes."""
-        readers, writes = self._readers, not query.lstrip().startswith("SELECT")
-        if readers is None or writes or self._writer == threading.get_ident():
-            with self._lock:
-                yield self._connection
-            return
-        try:
-            reader = readers.pop()
-        except IndexError:
-            reader = self._reader()
-        try:
-            yield reader
-        finally:
-            readers.append(reader)
-
-    def _write_ahead(self) -> None:
-        """Changes the journal's mode. Where several do that with a new file at once, SQLite does not wait, as
-        each might wait for another."""
-        until = time.monotonic() + _BUSY_MILLISECONDS / 1000
-        while True:
-            try:
-                self._connection.execute("PRAGMA journal_mode = WAL")
-                return
-            except sqlite3.OperationalError as trouble:
-                # Only the lower byte: the rest says in which operation it was busy.
-                is_busy = trouble.sqlite_errorcode & 0xFF == sqlite3.SQLITE_BUSY
-                if not is_busy or time.monotonic() >= until:
-                    raise
-            time.sleep(_AGAIN_SECONDS)
-
-    @contextmanager
-    def transaction(self, durable: bool = True) -> Iterator[None]:
+    @abstractmethod
+    def transaction(self, durable: bool = True) -> AbstractContextManager[None]:
         """Everything executed inside happens, or nothing does; other processes can't write meanwhile.
 
         `durable`: it survives a power cut, with all that was committed before. Without that it survives the
         end of any process, and does not wait for the disk: for work that can be done again.
         """
-        with self._lock:
-            self.check_place()
-            self._wait_for_disk(durable)
-            self._connection.execute("BEGIN IMMEDIATE")
-            self._writer = threading.get_ident()
-            try:
-                yield
-                self._connection.execute("COMMIT")
-            except BaseException:
-                # A full disk may have rolled it back already.
-                if self._connection.in_transaction:
-                    self._connection.execute("ROLLBACK")
-                raise
-            finally:
-                self._writer = 0
 
-    @contextmanager
-    def snapshot(self) -> Iterator[None]:
+    @abstractmethod
+    def snapshot(self) -> AbstractContextManager[None]:
         """All that is read inside is of one moment; nobody waits for it."""
-        with self._lock:
-            self._connection.execute("BEGIN")
-            try:
-                yield
-            finally:
-                self._connection.execute("ROLLBACK")
 
-    def execute(self, statement: str, values: tuple[Any, ...] | dict[str, Any] = ()) -> int:
+    @abstractmethod
+    def execute(self, statement: str, values: Values = ()) -> int:
         """Executes one statement, outside a transaction durably; gives the number of rows it changed."""
-        with self._lock:
-            if not self._connection.in_transaction:
-                self._wait_for_disk(True)
-            return self._connection.execute(statement, values).rowcount
 
-    def execute_many(self, statement: str, rows: Iterable[tuple[Any, ...]]) -> None:
+    @abstractmethod
+    def execute_many(self, statement: str, rows: Iterable[Values]) -> None:
         """Executes one statement for each row of values."""
-        with self._lock:
-            if not self._connection.in_transaction:
-                self._wait_for_disk(True)
-            self._connection.executemany(statement, rows)
 
-    def _wait_for_disk(self, durable: bool) -> None:
-        """Whether the next commit does; can't be changed inside a transaction."""
-        if durable != self._durable:
-            self._connection.execute(f"PRAGMA synchronous = {'FULL' if durable else 'NORMAL'}")
-            self._durable = durable
+    @abstractmethod
+    def rows(self, query: str, values: Values = ()) -> Sequence[Row]:
+        """All rows that a query gives. In a transaction it sees the transaction's own writes."""
 
-    def rows(self, query: str, values: tuple[Any, ...] = ()) -> list[sqlite3.Row]:
-        with self._reading(query) as connection:
-            return connection.execute(query, values).fetchall()
-
-    def row(self, query: str, values: tuple[Any, ...] = ()) -> sqlite3.Row | None:
+    @abstractmethod
+    def row(self, query: str, values: Values = ()) -> Row | None:
         """The first row, if there is any."""
-        with self._reading(query) as connection:
-            row: sqlite3.Row | None = connection.execute(query, values).fetchone()
-            return row
 
+    @abstractmethod
     def change_counter(self) -> int:
-        """Grows whenever any connection of any process commits a change. Microseconds."""
-        if self._counter is not None:
-            # One that never writes: all changes are others'.
-            seen: int = self._counter.execute("PRAGMA data_version").fetchone()[0]
-            return seen
-        with self._lock:
-            by_others: int = self._connection.execute("PRAGMA data_version").fetchone()[0]
-            return by_others + self._connection.total_changes
+        """Grows whenever any connection of any process commits a change. Cheap: microseconds in SQLite, one
+        question to a server."""
 
+    @abstractmethod
     def check_writing(self, wait_seconds: float) -> None:
-        """Whether one could write now; changes nothing. Raises sqlite3.Error, OSError: gone, locked for so
+        """Whether one could write now; changes nothing. Raises DatabaseTrouble, OSError: gone, locked for so
         long, full, or read-only."""
-        self.check_place()
-        with tempfile.NamedTemporaryFile(dir=self._path.parent, prefix=UNFINISHED) as probe:
-            probe.write(bytes(_PAGE_BYTES))
-            probe.flush()
-            os.fsync(probe.fileno())
-        with closing(sqlite3.connect(f"file:{quote(str(self._path))}?mode=rw", uri=True)) as connection:
-            connection.isolation_level = None
-            connection.execute(f"PRAGMA busy_timeout = {int(1000 * wait_seconds)}")
-            connection.execute("BEGIN IMMEDIATE")
-            connection.execute("ROLLBACK")
 
+    @abstractmethod
     def check_place(self) -> None:
-        """Raises FolderGone where the open file is not that of its path any more: all writes to it
-        would not be found again. Microseconds."""
-        if self._file is None:
-            return
-        try:
-            is_here = _identity(self._path) == self._file
-        except OSError:
-            is_here = False
-        if not is_here:
-            raise FolderGone(
-                f"{self._path.parent} was moved away or replaced while the service works on it; move it "
-                "back, or start the service again"
-            )
+        """Raises FolderGone where the folder is not that of its path any more: all writes to it would not be
+        found again. Microseconds."""
 
+    @abstractmethod
+    def lock(self) -> FolderLock:
+        """A lock on the folder for one coordinator, not taken yet."""
+
+    @abstractmethod
     def close(self) -> None:
-        with self._lock:
-            for each in (*(self._readers or ()), self._counter, self._connection):
-                if each is not None:
-                    each.close()
-
-
-def _identity(path: Path) -> tuple[int, int]:
-    status = path.stat()
-    return status.st_dev, status.st_ino
+        """Lets go of all connections."""

@@ -47,15 +47,15 @@ class Groups:
         """Of one owner, or of all; raises NotFound."""
         row = self._database.row(
             """SELECT count(*) AS renders,
-                   coalesce(sum(state NOT IN ('QUEUED', 'RUNNING', 'PAUSED')), 0) AS ended,
-                   coalesce(sum(state IN ('FAILED', 'CANCELLED', 'DEGRADED')), 0) AS failed,
+                   count(*) FILTER (WHERE state NOT IN ('QUEUED', 'RUNNING', 'PAUSED')) AS ended,
+                   count(*) FILTER (WHERE state IN ('FAILED', 'CANCELLED', 'DEGRADED')) AS failed,
                    coalesce(sum(CASE WHEN state IN ('QUEUED', 'RUNNING', 'PAUSED')
                                 THEN ranges_done ELSE ranges_planned END), 0) AS ranges_done,
                    coalesce(sum(ranges_planned), 0) AS ranges_planned,
                    coalesce(sum(cpu_seconds), 0.0) AS cpu_seconds,
                    coalesce(max(CASE WHEN state = 'RUNNING' THEN predicted_end ELSE 0.0 END), 0.0)
                        AS predicted_end
-               FROM render WHERE in_group = ?1 AND in_group <> '' AND (?2 IS NULL OR owner = ?2)""",
+               FROM render WHERE in_group = ?1 AND in_group <> '' AND owner = coalesce(?2, owner)""",
             (name, owner),
         )
         if row is None or not row["renders"]:

@@ -80,8 +80,14 @@ class RenderLayers:
     def give_up(self, render_id: str, why: str) -> None:
         """The render does without layers, and says why."""
         warning = RenderWarning(WarningKind.LAYERS, why)
-        self._database.execute(
-            f"""UPDATE render SET layers = '[]', warnings = json_insert(warnings, '$[#]', json(?)),
-                    sequence = sequence + 1 WHERE id = ? AND {LAYERS_DUE}""",  # noqa: S608
-            (json.dumps(warning.to_json()), render_id),
-        )
+        with self._database.transaction():
+            row = self._database.row(
+                f"SELECT warnings FROM render WHERE id = ? AND {LAYERS_DUE}",  # noqa: S608
+                (render_id,),
+            )
+            if row is not None:
+                warnings = json.dumps([*json.loads(row["warnings"]), warning.to_json()])
+                self._database.execute(
+                    """UPDATE render SET layers = '[]', warnings = ?, sequence = sequence + 1 WHERE id = ?""",
+                    (warnings, render_id),
+                )

@@ -43,7 +43,9 @@ class Leases:
         """A sign of life, `now` in unix seconds; gives the number of coordinators at work."""
         with self.owned():
             self._database.execute(
-                "INSERT OR REPLACE INTO coordinator VALUES (?, ?)", (self.number, now + self.lease_seconds)
+                """INSERT INTO coordinator VALUES (?, ?)
+                   ON CONFLICT (number) DO UPDATE SET until = excluded.until""",
+                (self.number, now + self.lease_seconds),
             )
             self._database.execute("DELETE FROM coordinator WHERE until < ?", (now,))
             self._database.execute(
@@ -70,7 +72,8 @@ class Leases:
         """The render is ours from here on, with a new fence; to be called inside `owned`."""
         self._database.execute(
             """INSERT INTO lease VALUES (?, ?, 1)
-               ON CONFLICT DO UPDATE SET coordinator = excluded.coordinator, fence = fence + 1""",
+               ON CONFLICT (render_id)
+               DO UPDATE SET coordinator = excluded.coordinator, fence = lease.fence + 1""",
             (render_id, self.number),
         )
 

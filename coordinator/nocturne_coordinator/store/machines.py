@@ -32,7 +32,7 @@ class Machines:
             self._make_room(token, name)
             self._database.execute(
                 """INSERT INTO machine (name, key, enrolled, token) VALUES (?, ?, ?, ?)
-                   ON CONFLICT DO UPDATE SET enrolled = excluded.enrolled""",
+                   ON CONFLICT (name) DO UPDATE SET enrolled = excluded.enrolled""",
                 (name, secrets.token_bytes(KEY_BYTES), time.time(), token),
             )
             row = self._database.row("SELECT key FROM machine WHERE name = ?", (name,))
@@ -42,9 +42,9 @@ class Machines:
     def _make_room(self, token: str, name: str) -> None:
         """Of a token's machines those go first that enrolled long ago: nodes of clouds come and go."""
         self._database.execute(
-            """DELETE FROM machine WHERE name IN (
-                   SELECT name FROM machine WHERE token = ? AND name <> ?
-                   ORDER BY enrolled DESC LIMIT -1 OFFSET ?)""",
+            """DELETE FROM machine WHERE token = ?1 AND name <> ?2 AND name NOT IN (
+                   SELECT name FROM machine WHERE token = ?1 AND name <> ?2
+                   ORDER BY enrolled DESC LIMIT ?3)""",
             (token, name, MAX_MACHINES_OF_TOKEN - 1),
         )
 
@@ -60,7 +60,8 @@ class Machines:
         """The folder's secret for leases, made at the first time."""
         with self._database.transaction():
             self._database.execute(
-                "INSERT OR IGNORE INTO lease_key VALUES (1, ?)", (secrets.token_bytes(KEY_BYTES),)
+                "INSERT INTO lease_key VALUES (1, ?) ON CONFLICT DO NOTHING",
+                (secrets.token_bytes(KEY_BYTES),),
             )
             row = self._database.row("SELECT key FROM lease_key WHERE number = 1")
         assert row is not None  # noqa: S101 - it was written in the same transaction

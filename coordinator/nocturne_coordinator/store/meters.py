@@ -32,6 +32,7 @@ class Meters:
     def write(self, coordinator: int, values: Mapping[str, float]) -> None:
         """A coordinator's own; to be called by it, in a transaction."""
         self._database.execute_many(
-            "INSERT OR REPLACE INTO meter VALUES (?, ?, ?)",
+            """INSERT INTO meter VALUES (?, ?, ?)
+               ON CONFLICT (coordinator, name) DO UPDATE SET value = excluded.value""",
             [(coordinator, name, value) for name, value in values.items()],
         )

@@ -1,7 +1,8 @@
 """Brings a database to the newest schema: the numbered files in `migrations/`, in order, each applied once.
 
-A change of the schema is a new file there, `0002_what_it_does.sql`; files that were released stay as they
-are. The number of the last one applied is SQLite's `user_version`. That is all a migration library would add
+A change of the schema is a new file there, `0002_what_it_does.sql`, and for PostgreSQL one with the same
+number in `migrations/postgresql`; files that were released stay as they are. The number of the last one
+applied is SQLite's `user_version`, or the row of `schema_version`. That is all a migration library would add
 here too: the known ones (Alembic, yoyo) bring an ORM, or a separate table for one number.
 """
 
@@ -24,18 +25,23 @@ def migrate(connection: sqlite3.Connection, name: str, folder: Path = MIGRATIONS
 
     Raises UnusableFolder if a newer program has written the database, which the message calls `name`.
     """
+    for each, text in missing(schema_of(connection), name, folder):
+        for statement in _statements(text):
+            connection.execute(statement)
+        connection.execute(f"PRAGMA user_version = {each}")
+
+
+def missing(number: int, name: str, folder: Path = MIGRATIONS) -> list[tuple[int, str]]:
+    """The migrations after this number, with their text. Raises UnusableFolder, which calls the database
+    `name`, where a newer program made that number."""
     files = _files(folder)
     newest = max(files)
-    number = schema_of(connection)
     if number > newest:
         raise UnusableFolder(
             f"{name} has schema {number}, and this program knows schemas up to {newest}: a newer program "
             "made it; use that one, or another folder"
         )
-    for each in range(number + 1, newest + 1):
-        for statement in _statements(files[each].read_text()):
-            connection.execute(statement)
-        connection.execute(f"PRAGMA user_version = {each}")
+    return [(each, files[each].read_text()) for each in sorted(files) if each > number]
 
 
 def schema_of(connection: sqlite3.Connection) -> int:

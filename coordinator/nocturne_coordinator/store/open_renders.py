@@ -1,7 +1,6 @@
 """Renders as coordinators read them, and taking them over."""
 
 import json
-import sqlite3
 from collections.abc import Iterator
 
 from nocturne.v1 import job_pb2
@@ -10,7 +9,7 @@ from nocturne_coordinator import limits
 from nocturne_coordinator.dispatch.records import FailedTile, OpenRender, RenderState, TileRow, Totals
 from nocturne_coordinator.dispatch.region import Region
 from nocturne_coordinator.dispatch.stopping import StopConditions
-from nocturne_coordinator.store.database import Database
+from nocturne_coordinator.store.database import Database, Row
 from nocturne_coordinator.store.groups import WAITS
 from nocturne_coordinator.store.layers import LAYERS_DUE
 from nocturne_coordinator.store.leases import Leases
@@ -47,7 +46,7 @@ class OpenRenders:
                         SELECT id, row_number() OVER of_owner AS place FROM render
                         WHERE state = 'QUEUED' AND NOT ({WAITS})
                         WINDOW of_owner AS (PARTITION BY owner ORDER BY priority DESC, number)
-                    ) WHERE place <= ?)
+                    ) AS placed WHERE place <= ?)
                 ORDER BY priority DESC, number""",  # noqa: S608
             (limits.MAX_NEXT_OF_OWNER,),
         )
@@ -109,7 +108,7 @@ def tiles_of(database: Database, render_id: str) -> Iterator[TileRow]:
             yield TileRow(**dict(row))
 
 
-def _open_render(database: Database, row: sqlite3.Row) -> OpenRender:
+def _open_render(database: Database, row: Row) -> OpenRender:
     return OpenRender(
         id=row["id"],
         state=RenderState(row["state"]),

@@ -1,10 +1,6 @@
 """Which coordinators work on a data folder: one, or several that share it; none that was replaced."""
 
-import contextlib
-import fcntl
-import os
 import time
-from collections.abc import Iterator
 from pathlib import Path
 
 from nocturne_coordinator.errors import AlreadyOwned, OwnershipLost
@@ -12,21 +8,6 @@ from nocturne_coordinator.store.database import Database
 
 LEASE_SECONDS = 10.0
 """How long a coordinator's renders are its own without a sign of life. After it, another may take them."""
-
-
-@contextlib.contextmanager
-def _one_at_a_time(path: Path) -> Iterator[None]:
-    """Other processes wait for these locks, which are held for milliseconds.
-
-    A coordinator that is to share is alone with the folder until its row is there. Another one that comes
-    just then has to wait for it, not to be refused.
-    """
-    lock = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
-    try:
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        yield
-    finally:
-        os.close(lock)
 
 
 class Ownership:
@@ -42,26 +23,27 @@ class Ownership:
         self._database = database
         self.lease_seconds = lease_seconds
         self.shared = shared
-        with _one_at_a_time(root / "coordinator.starting"):
-            self._lock = os.open(root / "coordinator.lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
-            self._enter(root)
+        self._lock = database.lock()
+        try:
+            # A coordinator that is to share is alone with the folder until its row is there. Another one that
+            # comes just then has to wait for it, not to be refused.
+            with self._lock.starting():
+                self._enter(root)
+        except BaseException:
+            self._lock.close()
+            raise
 
     def _enter(self, root: Path) -> None:
         """The lock first, then the row that says so. Nobody else may come in between."""
-        alone = self._locked(fcntl.LOCK_EX)
-        if not alone and not (self.shared and self._locked(fcntl.LOCK_SH)):
-            owner = os.pread(self._lock, 32, 0).decode(errors="replace").strip()
-            os.close(self._lock)
+        alone = self._lock.take(alone=True)
+        if not alone and not (self.shared and self._lock.take(alone=False)):
             raise AlreadyOwned(
-                f"{root} has a coordinator already (process {owner or 'unknown'}); "
+                f"{root} has a coordinator already ({self._lock.owner() or 'process unknown'}); "
                 "stop it first, give this one another folder, or start both with --shared"
             )
-        os.ftruncate(self._lock, 0)
-        os.pwrite(self._lock, str(os.getpid()).encode(), 0)
         self._register(alone, time.time())
         if alone and self.shared:
-            # Not atomic: the exclusive lock is given back first.
-            self._locked(fcntl.LOCK_SH)
+            self._lock.share()
 
     def _register(self, alone: bool, now: float) -> None:
         database = self._database
@@ -92,14 +74,8 @@ class Ownership:
             raise OwnershipLost("another coordinator has taken over the data folder")
 
     def release(self) -> None:
-        os.close(self._lock)
-
-    def _locked(self, how: int) -> bool:
-        try:
-            fcntl.flock(self._lock, how | fcntl.LOCK_NB)
-        except BlockingIOError:
-            return False
-        return True
+        """Another coordinator may come."""
+        self._lock.close()
 
     def _stored_epoch(self) -> int:
         row = self._database.row("SELECT epoch FROM ownership")

@@ -42,8 +42,8 @@ _REMEDIES = {
 def usage(database: Database, owner: str) -> Usage:
     """What the owner has just now."""
     asked = database.row(
-        """SELECT count(*) AS renders, total(1.0 * width * height * samples) AS samples FROM render
-           WHERE owner = ? AND state IN ('QUEUED', 'RUNNING', 'PAUSED')""",
+        """SELECT count(*) AS renders, coalesce(sum(1.0 * width * height * samples), 0.0) AS samples
+           FROM render WHERE owner = ? AND state IN ('QUEUED', 'RUNNING', 'PAUSED')""",
         (owner,),
     )
     stored = database.row(
@@ -85,7 +85,7 @@ class Uploads:
         """Counts a file as the owner's, before its first byte; False if it was already. QuotaUsedUp."""
         with self._database.transaction():
             new = self._database.execute(
-                "INSERT OR IGNORE INTO upload VALUES (?, ?, ?)", (owner, sha256, size_bytes)
+                "INSERT INTO upload VALUES (?, ?, ?) ON CONFLICT DO NOTHING", (owner, sha256, size_bytes)
             )
             if new:
                 check_quota(self._database, owner, quota)

@@ -8,7 +8,6 @@ import hashlib
 import json
 import re
 import secrets
-import sqlite3
 import sys
 import time
 from collections.abc import Callable, Sequence
@@ -30,7 +29,7 @@ from nocturne_coordinator.dispatch.records import ErrorPoint, RenderState
 from nocturne_coordinator.dispatch.stopping import StopConditions, check_tile_samples
 from nocturne_coordinator.errors import AmbiguousId, BlobsMissing, Conflict
 from nocturne_coordinator.store.blob_use import BlobUse
-from nocturne_coordinator.store.database import Database
+from nocturne_coordinator.store.database import Database, Row
 from nocturne_coordinator.store.groups import WAITS
 from nocturne_coordinator.store.layers import layers_bytes
 from nocturne_coordinator.store.quotas import NO_QUOTA, Quota, check_quota
@@ -147,6 +146,7 @@ class Renders:
         further = len(new.schedule.further_responses)
         # Forward photons in separate ranges have sums, too, and both together.
         sums = 8 * numbers_in(new.width, new.height, further) * (3 if new.schedule.photon_range_ends else 1)
+        sums += 8 * new.width * new.height * new.schedule.coefficients
         layers = 2 * layers_bytes(new.width, new.height, new.all_layers)
         image = 4 * new.width * new.height * (_EXR_CHANNELS + 2 * further)
         files = (self._blob_here(sha256) for sha256 in new.files)
@@ -165,7 +165,7 @@ class Renders:
         """Raises NotFound."""
         return _render_row(self._row(render_id, _COLUMNS))
 
-    def _row(self, render_id: str, columns: str) -> sqlite3.Row:
+    def _row(self, render_id: str, columns: str) -> Row:
         row = self._database.row(f"SELECT {columns} FROM render WHERE id = ?", (render_id,))  # noqa: S608
         if row is None:
             raise NotFound(f"there is no render {render_id!r}")
@@ -178,7 +178,7 @@ class Renders:
         """
         # No character of an id comes after the last that there is, so all that begin so lie below it.
         rows = self._database.rows(
-            f"""SELECT {_COLUMNS} FROM render WHERE id >= ?1 AND id < ?2 AND (?3 IS NULL OR owner = ?3)
+            f"""SELECT {_COLUMNS} FROM render WHERE id >= ?1 AND id < ?2 AND owner = coalesce(?3, owner)
                 ORDER BY id LIMIT ?4""",  # noqa: S608
             (start, start + chr(sys.maxunicode), owner, limits.IDS_SHOWN + 1),
         )
@@ -231,7 +231,7 @@ class Renders:
         render = self.get(render_id)
         rows = self._database.rows(
             f"""SELECT {_COLUMNS} FROM render WHERE width = ? AND height = ? AND engine <> ?
-                    AND state IN ('SUCCEEDED', 'STOPPED_EARLY') AND (?4 IS NULL OR owner = ?4)
+                    AND state IN ('SUCCEEDED', 'STOPPED_EARLY') AND owner = coalesce(?4, owner)
                     AND scene_document = (SELECT scene_document FROM render WHERE id = ?5)
                 ORDER BY number""",  # noqa: S608
             (render.width, render.height, render.engine, owner, render_id),
@@ -282,17 +282,18 @@ class Renders:
 
     def open_cpu_seconds(self) -> float:
         """Processor seconds that queued and running renders should still need, but for those that wait for
-        others: by their forecast, or by what a sample cost so far in all renders."""
+        others: by their forecast, or by what a sample cost so far in all renders. One each at least, so that
+        no render that took longer than forecast is left without a worker."""
         counted = self.counted()
         known = counted["samples"] and counted["cpu_seconds"] / counted["samples"]
         row = self._database.row(
-            f"""SELECT total(max(0.0, iif(predicted_cpu_seconds > 0.0, predicted_cpu_seconds - cpu_seconds,
+            f"""SELECT sum(max(1.0, iif(predicted_cpu_seconds > 0.0, predicted_cpu_seconds - cpu_seconds,
                     iif(?1 > 0.0, ?1, ?2 * photons_per_sample)
                     * (1.0 * width * height * samples - 1.0 * photons / photons_per_sample)))) AS open
                 FROM render WHERE state IN ('QUEUED', 'RUNNING') AND NOT ({WAITS})""",  # noqa: S608
             (known, USUAL_COST),
         )
-        return float(row["open"]) if row is not None else 0.0
+        return float(row["open"] or 0.0) if row is not None else 0.0
 
     def counted(self) -> dict[str, float]:
         """All work that was ever merged, and ends of renders by state, those deleted or traced again
@@ -301,7 +302,7 @@ class Renders:
         return {row["name"]: row["value"] for row in rows}
 
 
-def _render_row(row: sqlite3.Row) -> RenderRow:
+def _render_row(row: Row) -> RenderRow:
     """From a row with _COLUMNS."""
     values = {field.name: row[field.name] for field in fields(RenderRow)}
     values["state"] = RenderState(values["state"])

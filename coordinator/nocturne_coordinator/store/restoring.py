@@ -9,7 +9,7 @@ import os
 import secrets
 import shutil
 import sqlite3
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -28,6 +28,7 @@ from nocturne_coordinator.dispatch.planned_render import (
 )
 from nocturne_coordinator.errors import AlreadyOwned, RestoreFailed
 from nocturne_coordinator.store.checkpoint import checkpoints
+from nocturne_coordinator.store.databases import open_restored, server_of, write_id
 from nocturne_coordinator.store.migrate import newest_schema, schema_of
 from nocturne_coordinator.store.privacy import make_private
 
@@ -60,6 +61,8 @@ def restore(data: Path, source: Path | None = None) -> Restored:
         raise RestoreFailed(f"there is no data folder {data}; say with --from where its checkpoints are")
     data.mkdir(mode=0o700, parents=True, exist_ok=True)
     make_private(data)
+    if server_of(data):
+        return _on_server(data, source)
     with _only_one(data):
         found = Restored()
         database = data / "nocturne.db"
@@ -72,6 +75,28 @@ def restore(data: Path, source: Path | None = None) -> Restored:
             )
         _fetch_blobs(data, place)
         _take_stock(data, found)
+    return found
+
+
+def _on_server(data: Path, source: Path | None) -> Restored:
+    """After the server's own backup was brought back: jobs and images made since are not of this database."""
+    if source is not None:
+        raise RestoreFailed(
+            f"the database of {data} is on a server; bring back its backup there, without --from"
+        )
+    found = Restored()
+    with closing(open_restored(data)) as database:
+        lock = database.lock()
+        with closing(lock):
+            if not lock.take(alone=True):
+                raise AlreadyOwned(f"a coordinator works on {data}; stop the service first")
+            folder = secrets.token_hex(8)
+            with database.transaction():
+                database.execute("UPDATE ownership SET folder = ?", (folder,))
+                database.execute("UPDATE render SET image_final = 0")
+            write_id(data, folder)
+        rows = database.rows("SELECT id, state, scene_sha256, ranges_planned - ranges_done FROM render")
+    _count(data, found, [(row[0], row[1], row[2], row[3]) for row in rows])
     return found
 
 
@@ -113,7 +138,7 @@ def _check_tile(planned: PlannedRender, row: sqlite3.Row) -> None:
     if planned.photon_ranges:
         check_photon_sums(sums, samples)
     # Of a tile from before squares of all quantities were kept, they are not known.
-    elif len(row["sums"]) == 8 * numbers_in(tile.width, tile.height, planned.further):
+    elif len(row["sums"]) >= 8 * numbers_in(tile.width, tile.height, planned.further):
         check_sums(sums, samples * planned.photons_per_sample, planned.signed)
 
 
@@ -164,11 +189,15 @@ def _fetch_blobs(data: Path, place: Path) -> None:
 
 
 def _take_stock(data: Path, found: Restored) -> None:
-    blobs = BlobStore(data / "blobs")
     with closing(sqlite3.connect(data / "nocturne.db")) as connection:
         rows = connection.execute(
             "SELECT id, state, scene_sha256, ranges_planned - ranges_done FROM render"
         ).fetchall()
+    _count(data, found, rows)
+
+
+def _count(data: Path, found: Restored, rows: Sequence[tuple[str, str, str, int]]) -> None:
+    blobs = BlobStore(data / "blobs")
     found.renders = len(rows)
     for render_id, state, scene, open_ranges in rows:
         if state in ("QUEUED", "RUNNING", "PAUSED"):

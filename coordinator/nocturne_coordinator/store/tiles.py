@@ -1,12 +1,10 @@
 """The committed tiles of renders, as those who watch them read them."""
 
-import sqlite3
-
 from nocturne.v1 import job_pb2
 from nocturne_scene.errors import NotFound
 from nocturne_scene.ranges import manifest_of
 
-from nocturne_coordinator.store.database import Database
+from nocturne_coordinator.store.database import Database, Row
 from nocturne_coordinator.store.rows import TileChange
 
 
@@ -23,7 +21,7 @@ class Tiles:
         """
         rows = self._database.rows(
             """SELECT tile_index, revision, samples, invalid_samples FROM tile
-               WHERE render_id = ? AND (revision, tile_index) > (?, ?) AND length(sums)
+               WHERE render_id = ? AND (revision, tile_index) > (?, ?) AND length(sums) > 0
                ORDER BY revision, tile_index LIMIT ?""",
             (render_id, *since, limit),
         )
@@ -33,7 +31,7 @@ class Tiles:
         """The same tiles with their sums; see nocturne_scene.tile_sums."""
         rows = self._database.rows(
             """SELECT tile_index, revision, samples, invalid_samples, sums FROM tile
-               WHERE render_id = ? AND (revision, tile_index) > (?, ?) AND length(sums)
+               WHERE render_id = ? AND (revision, tile_index) > (?, ?) AND length(sums) > 0
                ORDER BY revision, tile_index LIMIT ?""",
             (render_id, *since, limit),
         )
@@ -43,7 +41,7 @@ class Tiles:
         """Tiles with indices in [first, end) that have samples, with their sums."""
         rows = self._database.rows(
             """SELECT tile_index, revision, samples, invalid_samples, sums FROM tile
-               WHERE render_id = ? AND tile_index >= ? AND tile_index < ? AND length(sums)
+               WHERE render_id = ? AND tile_index >= ? AND tile_index < ? AND length(sums) > 0
                ORDER BY tile_index""",
             (render_id, first, end),
         )
@@ -74,13 +72,13 @@ class Tiles:
         rows = self._database.rows(
             """SELECT worker_id, render.id, render.name, count(*), min(since)
                FROM at_work JOIN render ON render.id = at_work.render_id
-               WHERE ?1 IS NULL OR render.owner = ?1
-               GROUP BY worker_id, render.id ORDER BY worker_id, min(since)""",
+               WHERE render.owner = coalesce(?1, render.owner)
+               GROUP BY worker_id, render.id, render.name ORDER BY worker_id, min(since)""",
             (owner,),
         )
         return [(row[0], row[1], row[2], row[3], row[4]) for row in rows]
 
 
-def _with_sums(row: sqlite3.Row) -> tuple[TileChange, bytes]:
+def _with_sums(row: Row) -> tuple[TileChange, bytes]:
     change = TileChange(row["tile_index"], row["revision"], row["samples"], row["invalid_samples"])
     return change, row["sums"]

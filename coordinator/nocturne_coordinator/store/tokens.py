@@ -67,6 +67,11 @@ class Tokens:
         )
         return None if row is None else _token(dict(row))
 
+    def named(self, name: str) -> Token | None:
+        """The token of this name, unless it was revoked."""
+        row = self._database.row(f"{_SELECT} WHERE name = ? AND revoked = 0", (name,))
+        return None if row is None else _token(dict(row))
+
     def list(self) -> "list[Token]":
         """All, oldest first."""
         return [_token(dict(row)) for row in self._database.rows(f"{_SELECT} ORDER BY created")]

@@ -9,15 +9,17 @@ _OWNERS = """
 SELECT owner, sum(renders) AS renders, sum(open_renders) AS open_renders, sum(cpu_seconds) AS cpu_seconds,
     sum(stored_bytes) AS stored_bytes, sum(jobs) AS jobs, coalesce(max(weight), ?2) AS weight
 FROM (
-    SELECT owner, count(*) AS renders, sum(state IN ('QUEUED', 'RUNNING', 'PAUSED')) AS open_renders,
-        total(cpu_seconds) AS cpu_seconds, sum(stored_bytes) AS stored_bytes, 0 AS jobs, NULL AS weight
+    SELECT owner, count(*) AS renders,
+        count(*) FILTER (WHERE state IN ('QUEUED', 'RUNNING', 'PAUSED')) AS open_renders,
+        sum(cpu_seconds) AS cpu_seconds, sum(stored_bytes) AS stored_bytes, 0 AS jobs,
+        CAST(NULL AS INTEGER) AS weight
     FROM render GROUP BY owner
     UNION ALL SELECT owner, renders, 0, cpu_seconds, 0, 0, NULL FROM deleted_usage
     UNION ALL SELECT owner, 0, 0, 0.0, 0, count(*), NULL
         FROM at_work JOIN render ON render.id = render_id GROUP BY owner
     UNION ALL SELECT name, 0, 0, 0.0, 0, 0, weight FROM token WHERE revoked = 0
-)
-WHERE ?1 IS NULL OR owner = ?1
+) AS each_kind
+WHERE owner = coalesce(?1, owner)
 GROUP BY owner HAVING sum(renders) > 0 ORDER BY sum(cpu_seconds) DESC, owner
 """
 

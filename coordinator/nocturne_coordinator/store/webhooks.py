@@ -116,10 +116,13 @@ class Webhooks:
         with self._database.transaction():
             rows = self._database.rows(
                 """SELECT number, webhook_id, owner, url, secret, message_id, render_id, name, state, reason,
-                       error_warning, event, unix_time, attempts, min(due) AS first_due
-                   FROM webhook_message JOIN webhook ON webhook.id = webhook_id
-                   WHERE due <= ?1 AND webhook_id NOT IN (SELECT value FROM json_each(?2))
-                   GROUP BY webhook_id ORDER BY first_due, number""",
+                       error_warning, event, unix_time, attempts
+                   FROM (
+                       SELECT *, row_number() OVER (PARTITION BY webhook_id ORDER BY due, number) AS place
+                       FROM webhook_message
+                       WHERE due <= ?1 AND webhook_id NOT IN (SELECT value FROM json_each(?2))
+                   ) AS first_due JOIN webhook ON webhook.id = webhook_id
+                   WHERE place = 1 ORDER BY due, number""",
                 (now, json.dumps([each.webhook_id for each in at_work])),
             )
             owners = Counter(each.owner for each in at_work)
@@ -127,9 +130,7 @@ class Webhooks:
             for row in rows:
                 if len(taken) + len(at_work) < most and owners[row["owner"]] < of_owner:
                     owners[row["owner"]] += 1
-                    fields = dict(row)
-                    del fields["first_due"]
-                    taken.append(WebhookMessage(**fields))
+                    taken.append(WebhookMessage(**dict(row)))
             self._database.execute_many(
                 "UPDATE webhook_message SET due = ? WHERE number = ?",
                 [(now + lease_seconds, message.number) for message in taken],

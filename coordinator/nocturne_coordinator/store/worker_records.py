@@ -41,7 +41,7 @@ class WorkerRecords:
         """
         with self._leases.owned(durable=True):
             if self._database.execute(
-                "INSERT OR IGNORE INTO quarantine VALUES (?, ?, ?)", (worker_id, reason, now)
+                "INSERT INTO quarantine VALUES (?, ?, ?) ON CONFLICT DO NOTHING", (worker_id, reason, now)
             ):
                 note_worker(self._database, now, worker_id, "quarantined", reason)
             return self._distrust(worker_id) if mismatched else []
@@ -112,8 +112,8 @@ class WorkerRecords:
         )
         self._database.execute_many(
             # A worker may still have a job of a render that was deleted.
-            """INSERT OR IGNORE INTO at_work SELECT ?1, ?2, ?3, ?4, ?5
-               WHERE EXISTS (SELECT 1 FROM render WHERE id = ?2)""",
+            """INSERT INTO at_work SELECT ?1, ?2, ?3, ?4, ?5
+               WHERE EXISTS (SELECT 1 FROM render WHERE id = ?2) ON CONFLICT DO NOTHING""",
             [(own, *each, now) for each in at_work],
         )
 
@@ -133,7 +133,7 @@ class WorkerRecords:
             self._mirror_work(at_work, now)
             self._database.execute("DELETE FROM worker")
             self._database.execute_many(
-                "INSERT OR REPLACE INTO worker VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
+                "INSERT INTO worker VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT DO NOTHING",
                 [
                     (
                         w.id,
@@ -157,5 +157,9 @@ class WorkerRecords:
             return
         rate = sum(worker.rays_per_second for worker in workers)
         threads = sum(worker.threads for worker in workers)
-        self._database.execute("INSERT OR REPLACE INTO rate_point VALUES (?, ?, ?)", (now, threads, rate))
+        self._database.execute(
+            """INSERT INTO rate_point VALUES (?, ?, ?) ON CONFLICT (unix_time)
+               DO UPDATE SET threads = excluded.threads, rays_per_second = excluded.rays_per_second""",
+            (now, threads, rate),
+        )
         self._database.execute("DELETE FROM rate_point WHERE unix_time < ?", (now - _RATES_KEPT_SECONDS,))

@@ -55,7 +55,9 @@ class Workers:
             if all(worker.id != worker_id for worker in self.alive()):
                 raise NotFound(f"no worker {worker_id!r} was heard of in the last ten seconds")
             now = time.time()
-            if self._database.execute("INSERT OR IGNORE INTO drain VALUES (?, ?, ?)", (worker_id, who, now)):
+            if self._database.execute(
+                "INSERT INTO drain VALUES (?, ?, ?) ON CONFLICT DO NOTHING", (worker_id, who, now)
+            ):
                 note_worker(self._database, now, worker_id, "draining", f"by {who}" if who else "")
 
     def drained(self) -> dict[str, bool]:

@@ -4,7 +4,7 @@ The rule of Mitsuba 3's own tests (`share_explained`) compares pixel by pixel: i
 and no error of 1 % everywhere. Sums over tiles and over the image see that.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,9 @@ MEAN_BOUND = 3.0
 """Standard errors of an image's mean: exceeded by chance 27 times in 10,000, for each channel."""
 
 _TILE = 8
+
+_MIN_TILES = 16
+"""Fewer do not show how much tiles scatter."""
 
 # Parts of the mean: pixels much darker count as if they were a tenth of it.
 _LEVEL = 0.01
@@ -83,6 +86,52 @@ class Difference:
     """Its standard error, where the noise is known."""
     verdict: Verdict | None
     """None where the noise is not known."""
+    by_tiles: "ByTiles | None" = None
+    """Where the noise of one image is known, and of the other one is not."""
+
+
+@dataclass(frozen=True)
+class ByTiles:
+    """What can be said about chance if one of two images does not state its noise."""
+
+    mean_z: Values
+    """By channel, standard errors by which the means differ: that of `Difference.ratio_error`."""
+    explained: float
+    """Part of the squared difference that stated errors make, in [0, 1]. The rest is the other image's noise,
+    or a difference."""
+
+    @property
+    def means_agree(self) -> bool:
+        """Within the bound of images whose noise is known."""
+        return bool(np.all(np.abs(self.mean_z) <= MEAN_BOUND))
+
+
+def compare_by_tiles(image: Estimate, reference: Estimate) -> Difference:
+    """Compare two images, of which one states its noise. ValueError if they differ in shape.
+
+    The error of the means' ratio comes from how much the difference scatters from tile to tile, an eighth of
+    the image wide: noise of both images does that, also where a filter spreads it over some pixels, and so
+    does a difference that varies over the image. That makes the error too large where there is such a
+    difference, not too small. Below 16 tiles nothing is said.
+    """
+    found = compare(Estimate(image.mean), Estimate(reference.mean))
+    known = image.variance if image.variance is not None else reference.variance
+    edge = max(_TILE, min(image.mean.shape[:2]) // 8)
+    rows, columns = (size // edge for size in image.mean.shape[:2])
+    if known is None or rows * columns < _MIN_TILES:
+        return found
+    difference = image.mean - reference.mean
+    whole = difference[: rows * edge, : columns * edge]
+    tiles = whole.reshape(rows, edge, columns, edge, -1).mean(axis=(1, 3)).reshape(rows * columns, -1)
+    error = tiles.std(axis=0, ddof=1) / np.sqrt(len(tiles))
+    off = difference.mean(axis=(0, 1))
+    t = np.divide(off, error, out=np.where(off == 0.0, 0.0, np.inf), where=error > 0)
+    # As many standard errors as have Student's probability.
+    z = np.sign(t) * -special.ndtri(np.maximum(special.stdtr(len(tiles) - 1, -np.abs(t)), 1e-300))
+    squares = float(np.sum(difference**2))
+    explained = min(1.0, float(np.sum(known)) / squares) if squares > 0 else 1.0
+    ratio_error = error / np.abs(reference.mean.mean(axis=(0, 1)))
+    return replace(found, ratio_error=ratio_error, by_tiles=ByTiles(z, explained))
 
 
 def compare(image: Estimate, reference: Estimate) -> Difference:

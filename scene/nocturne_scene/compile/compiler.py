@@ -10,6 +10,7 @@ from nocturne.v1 import scene_pb2
 
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.compile.atmosphere import atmosphere_surfaces
+from nocturne_scene.compile.daylight_coefficients import DaylightStudy
 from nocturne_scene.compile.environment import has_sky
 from nocturne_scene.compile.faces import with_faces_found
 from nocturne_scene.compile.fluorescence import fluoresces
@@ -38,8 +39,9 @@ from nocturne_scene.document import bounds
 from nocturne_scene.document.checks import MET_BY_PHOTONS
 from nocturne_scene.document.model import SceneDocument
 from nocturne_scene.document.problems import path
+from nocturne_scene.document.sensors import Meters
 from nocturne_scene.document.surfaces import Surface
-from nocturne_scene.errors import InputError, Problem
+from nocturne_scene.errors import InputError, NotFound, Problem
 from nocturne_scene.film import Film
 from nocturne_scene.render_warnings import RenderWarning, from_messages, of_scene
 
@@ -47,7 +49,8 @@ from nocturne_scene.render_warnings import RenderWarning, from_messages, of_scen
 # that of scenes whose sensor tells parts of the light, the third of those with a forward_ratio, the
 # fourth of those whose photons are guided, the fifth of those with other wavelengths than 360 to 830 nm, the
 # sixth of those whose photons know the visible sky, the seventh of those whose responses separate light
-# groups, or that have rays of files, the eighth of those whose responses measure polarisation.
+# groups, or that have rays of files, the eighth of those whose responses measure polarisation, the ninth of
+# those with daylight coefficients.
 (
     FORMAT,
     FORMAT_WITH_PARTS,
@@ -57,7 +60,8 @@ from nocturne_scene.render_warnings import RenderWarning, from_messages, of_scen
     FORMAT_WITH_SKY,
     FORMAT_WITH_LIGHT_GROUPS,
     FORMAT_WITH_STOKES,
-) = range(3, 11)
+    FORMAT_WITH_DAYLIGHT,
+) = range(3, 12)
 
 
 def compile_scene(document: SceneDocument, blobs: BlobStore, film: Film | None = None) -> CompiledOutput:
@@ -69,14 +73,30 @@ def compile_scene(document: SceneDocument, blobs: BlobStore, film: Film | None =
     Equal documents and films give equal bytes. Raises InputError with at most `bounds.PROBLEMS` problems, and
     then leaves nothing behind: blobs are written last, when all of them are there.
     """
+    study = _daylight(document, blobs)
+    if study is not None:
+        document, film = study.document, film and study.film(film)
     workspace = Workspace(document, blobs)
     message, scatters = _compile(workspace, film)
     # After the blobs, which a pilot reads.
     _put_tracing(workspace, message, film, scatters=scatters)
+    if study is not None:
+        study.finish(message)
+        message.format = FORMAT_WITH_DAYLIGHT
     scene_sha256 = blobs.put(message.SerializeToString(deterministic=True))
     warnings = [*of_scene(workspace.warnings), *from_messages(message.tracing.warnings)]
     files = scene_sha256, *sorted(set(blobs_named_in(message)))
     return CompiledOutput(scene_sha256, workspace.dropped, warnings, message.tracing.way, files)
+
+
+def _daylight(document: SceneDocument, blobs: BlobStore) -> DaylightStudy | None:
+    sensor = document.sensor
+    if not isinstance(sensor, Meters) or sensor.daylight is None:
+        return None
+    try:
+        return DaylightStudy(document, sensor.daylight, blobs)
+    except NotFound as error:
+        raise InputError.at("$.sensor.daylight.weather.asset", str(error)) from None
 
 
 def compile_layers(document: SceneDocument, blobs: BlobStore, film: Film, layers: Sequence[str]) -> str:

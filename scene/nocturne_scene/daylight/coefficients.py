@@ -72,6 +72,13 @@ class Coefficients:
             self.samples + more.samples,
         )
 
+    def side_by_side(self) -> "Coefficients":
+        """In the usual order in memory."""
+        sky, reflected = np.ascontiguousarray(self.sky), np.ascontiguousarray(self.reflected)
+        return Coefficients(
+            sky, reflected, np.ascontiguousarray(self.suns), np.ascontiguousarray(self.across), self.samples
+        )
+
     @property
     def points(self) -> int:
         """How many."""
@@ -98,7 +105,8 @@ class Illuminances:
 
 
 def illuminances(coefficients: Coefficients, skies: YearOfSkies, layout: Layout) -> Illuminances:
-    """Of all hours of some points."""
+    """Of all hours of some points. Equal coefficients give equal bits, however they lie in memory."""
+    coefficients = coefficients.side_by_side()
     whole = (coefficients.sky / coefficients.samples) @ skies.luminances.T
     sunny = skies.sunny
     sun = np.zeros_like(whole)

@@ -411,6 +411,14 @@ _TEXT = """
     {"name": "wall", "faces": {"surface": "wall", "count": 16, "spread": true}}
   ]
 }
+# YearOfDaylight sensor
+{
+  "type": "meters",
+  "instruments": [
+    {"name": "floor", "grid": {"corner": [-1, 0.02, 1], "right": [2, 0, 0], "up": [0, 0, -2], "border": 0.2}}
+  ],
+  "daylight": {"of": "sky", "weather": {"asset": "year.epw"}}
+}
 # Bands sensor
 {
   "type": "pinhole",

@@ -107,7 +107,8 @@ SUBJECTS = (
         "Cameras show luminance; meters read illuminance and intensity. A scene has one sensor.",
         (
             *("Pinhole", "ThinLens", "Aperture", "Orthographic", "Panorama", "IrradianceMeter"),
-            *("RadianceMeter", "IntensityMeter", "Meters", "Instrument", "MeterGrid", "Faces", "Bands"),
+            *("RadianceMeter", "IntensityMeter", "Meters", "Instrument", "MeterGrid", "Faces"),
+            *("YearOfDaylight", "WeatherFile", "Bands"),
         ),
     ),
     Subject(
@@ -229,6 +230,7 @@ SHOWN_WITH = {
     "Aperture": "ThinLens",
     "Instrument": "Meters",
     "MeterGrid": "Meters",
+    "WeatherFile": "YearOfDaylight",
     "Faces": "Meters",
     "Mixture": "Tracing",
 }

@@ -8,6 +8,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 
 from nocturne_scene.document import bounds
+from nocturne_scene.document.daylight import YearOfDaylight
 from nocturne_scene.document.fields import Degrees, Finite, Name, PositiveLength, Vector
 from nocturne_scene.document.instruments import Instrument
 from nocturne_scene.document.light_fields import check_axes
@@ -306,6 +307,9 @@ class Meters(_AnySensor):
         description="The instrument whose mean is the illuminance outdoors: of all others `nocturne measure` "
         "tells the daylight factor.",
     )
+    daylight: YearOfDaylight | None = Field(
+        default=None, description="Measure daylight coefficients, for a year of daylight."
+    )
 
     @model_validator(mode="after")
     def _is_whole(self) -> Self:
@@ -318,6 +322,9 @@ class Meters(_AnySensor):
         points = sum(columns * rows for columns, rows in (each.size for each in self.instruments))
         if points > bounds.METERS:
             raise problem_at(".instruments", f"have {points} points; at most {bounds.METERS}")
+        for index, each in enumerate(self.instruments):
+            if self.daylight is not None and each.faces is not None:
+                raise problem_at(f".instruments[{index}].faces", "daylight of a year is of points and grids")
         return self
 
     @property
@@ -352,4 +359,7 @@ SensorDefinition = Annotated[Sensor, ByType()]
 
 def film_size(sensor: Sensor, width: int, height: int) -> tuple[int, int]:
     """Of a film that was asked for: with meters it follows from these."""
-    return sensor.layout()[0] if isinstance(sensor, Meters) else (width, height)
+    if not isinstance(sensor, Meters):
+        return width, height
+    columns, rows = sensor.layout()[0]
+    return columns, rows * (1 if sensor.daylight is None else sensor.daylight.batches)

@@ -83,12 +83,16 @@ def secret_in(authorization: str) -> str:
     raise Unauthenticated("a token is needed: `Authorization: Bearer TOKEN`")
 
 
+Identify = Callable[[str], Awaitable[Caller]]
+
+
 class Authenticator:
     """Authenticates callers by their tokens; one for each transport."""
 
-    def __init__(self, identify: Callable[[str], Awaitable[Caller]]) -> None:
-        """`identify` gives who has a secret; raises Unauthenticated."""
+    def __init__(self, identify: Identify, identify_session: Identify | None = None) -> None:
+        """They give who has a secret, and who began a session; both raise Unauthenticated."""
         self._identify = identify
+        self._identify_session = identify_session
         self._pace = RateLimiter()
         self._wrong = RateLimiter(limits.WRONG_TOKENS_PER_SECOND, limits.WRONG_TOKENS_AT_ONCE)
 
@@ -108,6 +112,14 @@ class Authenticator:
                     "too many wrong tokens from this address; look at the one you send"
                 ) from None
             raise
+        self._pace.take(caller.name)
+        return caller
+
+    async def of_session(self, name: str) -> Caller:
+        """Who began the session. Raises Unauthenticated, RateLimited."""
+        if self._identify_session is None:
+            raise Unauthenticated("there are no sessions here")
+        caller = await self._identify_session(name)
         self._pace.take(caller.name)
         return caller
 

@@ -1,7 +1,6 @@
 """Every error that a caller can meet, and what each transport calls it: one table for REST and gRPC."""
 
 import logging
-import sqlite3
 from dataclasses import dataclass
 
 import grpc
@@ -10,8 +9,10 @@ from nocturne_coordinator.errors import (
     Conflict,
     ObjectStoreUnavailable,
     QuotaUsedUp,
+    StoreUnavailable,
     WrongState,
 )
+from nocturne_coordinator.store.database import DatabaseUnavailable
 from nocturne_scene.errors import InputError, NocturneError, NotFound, Problem
 
 from nocturne_api.limits import PROBLEM_CHARACTERS, PROBLEMS_PER_ANSWER
@@ -133,7 +134,11 @@ TABLE: tuple[tuple[type[Exception], Kind], ...] = (
         Kind("STORE", "The storage does not answer", 503, grpc.StatusCode.UNAVAILABLE, 5),
     ),
     (
-        sqlite3.OperationalError,
+        StoreUnavailable,
+        Kind("STORE", "The storage does not answer", 503, grpc.StatusCode.UNAVAILABLE, 5),
+    ),
+    (
+        DatabaseUnavailable,
         Kind("STORE", "The storage does not answer", 503, grpc.StatusCode.UNAVAILABLE, 5),
     ),
 )

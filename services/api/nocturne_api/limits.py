@@ -128,6 +128,11 @@ RENDERS_PER_STREAM = 4
 LEARNED_AT_ONCE = 2
 LEARNED_WALL_S = 60.0
 
+# Seconds until a year of daylight is given up.
+ANNUAL_WALL_S = 300.0
+# And until a report is.
+REPORT_WALL_S = 120.0
+
 # What happened to workers lately, in one answer.
 EVENTS_SHOWN = 100
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import uvicorn
 from nocturne_coordinator.store.object_store import ObjectStore
 from nocturne_coordinator.store.quotas import Quota
+from nocturne_coordinator.traces import start_traces
 
 from nocturne_api import limits
 from nocturne_api.addresses import AddressError, check_host, listen
@@ -172,7 +173,9 @@ async def open_service(settings: Settings) -> Service:
     storage = StorageLimits(settings.unused_seconds, settings.data_bytes)
     quota = Quota(settings.owner_open_renders, settings.owner_open_samples, settings.owner_stored_bytes)
     price = CoreHourPrice(settings.core_hour_price, settings.currency)
-    operations = await Operations.open(settings.data, compile_limits, rules, objects, quota, storage, price)
+    operations = await Operations.open(
+        settings.data, compile_limits, rules, objects, quota, storage, price, start_traces("api")
+    )
     try:
         return Service(settings, operations)
     except BaseException:

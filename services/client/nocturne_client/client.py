@@ -159,7 +159,7 @@ class Client:
 
     def submit_group(
         self,
-        scene: Path | Mapping[str, Any],
+        scene: Path | SceneOnDisk | Mapping[str, Any],
         width: int,
         height: int,
         samples: int,
@@ -177,10 +177,11 @@ class Client:
         In frames a change to a text such as `-1..1` goes evenly from the first frame to the last. `member`:
         what tells the scene from others of its group, comes after the name.
         """
-        document: Mapping[str, Any] | Path = scene
-        if isinstance(scene, Path):
-            on_disk = self._uploaded(scene, progress)
-            document, name = on_disk.document, name or on_disk.name or ("" if member else scene.stem)
+        document = scene
+        if isinstance(scene, Path | SceneOnDisk):
+            on_disk = scene if isinstance(scene, SceneOnDisk) else read_scene(scene)
+            self._send(on_disk.files, progress)
+            document, name = on_disk.document, name or on_disk.name or ("" if member else _stem(scene))
         body = {
             "request_id": request_id or str(uuid.uuid4()),
             "name": f"{name} {member}".strip(),
@@ -346,6 +347,23 @@ class Client:
         if threshold is not None:
             params["threshold"] = threshold
         return decode(Glare, self._transport.get(f"/v1/renders/{_part(render_id)}/glare", params))
+
+    def annual(
+        self,
+        render_id: str,
+        lux: float = 300.0,
+        hours: tuple[float, float] = (8.0, 18.0),
+        eyes: Sequence[str] = (),
+        ground: float = 0.2,
+    ) -> str:
+        """A year of daylight as JSON, as `nocturne annual` writes it, of the group that a render of daylight
+        coefficients is in. `lux` is enough; hours of the day from and to; instruments at eyes; reflectance of
+        the ground beyond the scene."""
+        first, last = hours
+        params = {"lux": lux, "first_hour": first, "last_hour": last, "eye": [*eyes], "ground": ground}
+        path = f"/v1/renders/{_part(render_id)}/annual.json"
+        call = partial(self._transport.send, "GET", path, params=params, timeout=_PREFLIGHT_TIMEOUT)
+        return self._transport.retrying(call).text
 
     def drain_worker(self, worker_id: str) -> None:
         """Gives a worker no more jobs; it finishes those that it has."""
@@ -516,6 +534,10 @@ class _Come:
     etag: str = ""
     """Of the whole."""
     size: int = 0
+
+
+def _stem(scene: Path | SceneOnDisk) -> str:
+    return scene.stem if isinstance(scene, Path) else ""
 
 
 def _part(text: str) -> str:

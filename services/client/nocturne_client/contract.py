@@ -133,7 +133,7 @@ class Progress:
     audited: int
     """Ranges that another worker traced again with the same result."""
     unaudited: int
-    """Ranges that were chosen to be traced again, and that no other machine traced."""
+    """Ranges that were chosen to be traced again, and that no other machine has traced by now."""
     refused: int
     """Results that were refused because they could not be right."""
     predicted_end: float
@@ -182,7 +182,9 @@ class Render:
     render is too small for a pilot.
     """
     sensor: str
-    """Type of the scene's sensor, such as "panorama", of which glare can be rated."""
+    """Type of the scene's sensor, such as "panorama", of which glare can be rated; "daylight" for meters
+    that measure daylight coefficients.
+    """
     guided: bool
     """Whether photons from the sensor are sent to where light was learned to come from."""
     layers: list[str]

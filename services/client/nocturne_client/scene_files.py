@@ -55,6 +55,22 @@ def read_scene(path: Path) -> SceneOnDisk:
     return SceneOnDisk(document, files)
 
 
+def with_year(scene: SceneOnDisk, weather: Path) -> SceneOnDisk:
+    """The scene, whose meters measure the daylight of a year. Raises NocturneClientError."""
+    sensor = scene.document.get("sensor")
+    if not isinstance(sensor, dict) or sensor.get("type") != "meters":
+        raise NocturneClientError('daylight of a year is that of meters: "sensor": {"type": "meters", ...}')
+    try:
+        sha256 = digest(weather)
+    except OSError as error:
+        raise NocturneClientError(f"{weather}: {_reason(error)}") from error
+    told = sensor.get("daylight")
+    daylight = {"of": "sky", **(told if isinstance(told, dict) else {})}
+    daylight["weather"] = {"asset": DIGEST_PREFIX + sha256}
+    document = {**scene.document, "sensor": {**sensor, "daylight": daylight}}
+    return SceneOnDisk(document, {**scene.files, sha256: weather})
+
+
 OTHER_RENDERERS = (".xml", ".pbrt", ".pbrt.gz", ".gltf", ".glb", ".rad", ".obj", ".zip")
 """How files of scenes end that are imported."""
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 import pytest
-from nocturne_scene.compare.agreement import Estimate, compare, sidak
+from nocturne_scene.compare.agreement import Estimate, compare, compare_by_tiles, sidak
 from nocturne_scene.compare.images import read_picture, write_difference
 from nocturne_scene.errors import InputError
 
@@ -118,3 +118,41 @@ def test_the_difference_is_red_where_it_is_brighter(tmp_path: Path) -> None:
     assert pixels.getpixel(0, 0) == pytest.approx([1, 0, 0])
     assert pixels.getpixel(1, 0) == pytest.approx([0, 0, 1])
     assert pixels.getpixel(2, 1) == pytest.approx([1, 1, 1])
+
+
+def _silent(random: np.random.Generator, factor: float) -> Estimate:
+    """128 x 128 pixels around `factor`; the noise of 3 x 3 goes together, as filters make it."""
+    noise = random.standard_normal((130, 130, 3))
+    smooth = sum(noise[row : row + 128, column : column + 128] for row in range(3) for column in range(3)) / 3
+    return Estimate(factor + SIGMA * np.asarray(smooth))
+
+
+def test_intervals_by_tiles_hold_where_one_image_does_not_state_its_noise() -> None:
+    """Of 400 pairs 95 % within 1.96; noise that reaches into the neighbouring tile takes some of them. By the
+    stated noise alone it would be a tenth."""
+    random = np.random.default_rng(5)
+    plain = Estimate(np.ones((128, 128, 3)), np.full((128, 128, 3), SIGMA**2 / 16))
+    found = [compare_by_tiles(plain, _silent(random, 1.0)).by_tiles for _ in range(400)]
+    z = np.array([each.mean_z[1] for each in found if each is not None])
+    assert len(z) == 400
+    assert 0.9 < np.mean(np.abs(z) < 1.96) < 0.98
+
+
+def test_one_percent_is_seen_although_one_image_does_not_state_its_noise() -> None:
+    """The noise of the mean is 0.1 x 3 / 128 = 0.23 %: 1.5 % are six of it."""
+    random = np.random.default_rng(7)
+    ours = 1 + SIGMA / 4 * random.standard_normal((128, 128, 3))
+    variance = np.full(ours.shape, SIGMA**2 / 16)
+    same = compare_by_tiles(Estimate(ours, variance), _silent(random, 1.0))
+    other = compare_by_tiles(Estimate(ours + 0.015, variance), _silent(random, 1.0))
+    assert same.verdict is None
+    assert same.by_tiles is not None
+    assert same.by_tiles.means_agree
+    assert 0.03 < same.by_tiles.explained < 0.1  # 1/16 of sigma squared, of 17/16
+    assert other.by_tiles is not None
+    assert not other.by_tiles.means_agree
+
+
+def test_few_tiles_say_nothing_of_an_unstated_noise() -> None:
+    small = Estimate(np.ones((24, 24, 3)), np.full((24, 24, 3), 0.01))
+    assert compare_by_tiles(small, Estimate(np.ones((24, 24, 3)))).by_tiles is None

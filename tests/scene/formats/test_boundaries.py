@@ -69,8 +69,15 @@ def test_a_bubble_of_pbrt(tmp_path: Path) -> None:
 
 def test_both_indices_are_exported(tmp_path: Path) -> None:
     kernel = {"type": "dielectric", "index": 1.0, "outside": 1.31}
-    scene, _ = export(
-        tmp_path, {"shape": {"type": "sphere", "centre": [0, 0, 0], "radius": 1}, "kernel": kernel}
-    )
-    found = {each.get("name"): float(each.get("value", "")) for each in scene.iter("float")}
-    assert (found["int_ior"], found["ext_ior"]) == pytest.approx((1.0, 1.31))
+    around = {"type": "dielectric", "index": 1.31, "outside": 1.0}
+    balls = [
+        {"shape": {"type": "sphere", "centre": [0, 0, 0], "radius": radius}, "kernel": each}
+        for radius, each in ((1.0, around), (0.5, kernel))
+    ]
+    scene, _ = export(tmp_path, *balls)
+    found = [
+        [float(each.get("value", "")) for each in glass.iter("float")]
+        for glass in scene.iter("bsdf")
+        if glass.get("type") == "dielectric"
+    ]
+    assert found == [pytest.approx([1.31, 1.0]), pytest.approx([1.0, 1.31])]

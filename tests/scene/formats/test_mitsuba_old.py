@@ -100,6 +100,10 @@ _PAIRS = {
         '<bsdf type="diffuse"><spectrum name="reflectance" value="0.5, 0.2, 0.1"/></bsdf>',
         '<bsdf type="diffuse"><rgb name="reflectance" value="0.5 0.2 0.1"/></bsdf>',
     ),
+    "nothing is smooth": (
+        '<shape type="cube"><float name="maxSmoothAngle" value="0"/></shape>',
+        '<shape type="cube"><boolean name="face_normals" value="true"/></shape>',
+    ),
     "copper unless said": _of_sphere(_conductor(""), _conductor('<string name="material" value="Cu"/>')),
     "an index beside another one": _of_sphere(
         _conductor(

@@ -5,8 +5,10 @@
 #include <cmath>
 #include <thread>
 
+#include "support/caustic_scene.h"
 #include "support/scene_builder.h"
 #include "tracer/media/delta_tracking.h"
+#include "tracer/pilot/pilot_budget.h"
 #include "tracer/trace_tile.h"
 
 namespace nocturne {
@@ -16,7 +18,7 @@ using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
 
 // A million collisions per metre, none of which absorbs: nothing ever comes out.
-std::shared_ptr<const Scene> fog_without_end() {
+std::shared_ptr<Scene> fog_without_end() {
   test::SceneBuilder builder;
   builder.look({0, 0, 0.5f}, {0, 0, 0}, 0.6);
   builder.add_quad(0.5f, 1.0f, {-1, -1, 0}, {2, 0, 0}, {0, 2, 0});
@@ -54,6 +56,12 @@ TEST(Stopping, PathsBeyondTheLimitEndAndAreCounted) {
   EXPECT_EQ(sums.invalid_samples, 0U);
   EXPECT_GE(sums.rays, PathLimits::kMaxRays);
   EXPECT_TRUE(std::isfinite(sums.sums[1]));
+}
+
+// Before anything is learned or compared, which takes thousands of samples.
+TEST(Stopping, NoPilotIsMadeOfPathsThatDoNotEnd) {
+  EXPECT_THROW(check_that_samples_end(*fog_without_end(), {2, 1}, 1), std::runtime_error);
+  check_that_samples_end(*test::floor_and_lamp(true).load(), {64, 48}, 2);
 }
 
 // Nowhere dense, though it might be dense anywhere: all collisions are null collisions.

@@ -3,8 +3,10 @@
 #include "worker_loop/worker.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <functional>
 #include <future>
@@ -363,6 +365,22 @@ TEST_F(WorkerTest, QuickCopyIsDoneWhileLongJobsHoldAllThreads) {
   EXPECT_EQ(quick, 1);
   EXPECT_EQ(server_.run({"XLEN", "nocturne:quick"}).integer(), 0);
   EXPECT_TRUE(worker.stop(milliseconds(1500)));
+}
+
+TEST_F(WorkerTest, LongJobsGiveWayToQuickCopies) {
+  std::atomic<int> of_long = -1, of_quick = -1;
+  WorkerOptions all = options("w", 1);
+  all.nice = 3;
+  const Worker worker(all, [&](const v1::Job& job, RunningJob&) {
+    (job.tile_index() == 0 ? of_long : of_quick) = getpriority(PRIO_PROCESS, 0);
+    return some_partial();
+  });
+  server_.publish(make_job(0));
+  publish_quick(make_job(1));
+  EXPECT_TRUE(results_reach(2));
+  const int ours = getpriority(PRIO_PROCESS, 0);
+  EXPECT_EQ(of_quick, ours);
+  EXPECT_EQ(of_long, std::min(19, ours + 3));
 }
 
 TEST_F(WorkerTest, QuickCopyIsStoppedWhileItsSceneLoadsTooLong) {

@@ -1,6 +1,7 @@
 // One line per event on standard error: time, level, text. What a line is about stands in it as
 // `name=value`, in the names of the coordinator's log: worker, thread, render, tile, samples,
-// scene.
+// scene. With NOCTURNE_LOG=json in the environment a line is a JSON object, and these are its
+// members.
 #pragma once
 
 #include <string_view>

@@ -11,7 +11,7 @@ inline const std::string kJobs = "nocturne:jobs";
 inline const std::string kGroup = "workers";
 inline const std::string kJobField = "job";
 
-/// The same for copies of jobs of small renders, which one further thread of each worker does.
+/// The same for copies of jobs of small renders, which two further threads of each worker do.
 inline const std::string kQuickJobs = "nocturne:quick";
 
 /// Stream of results; one field kResultField with a serialised v1::JobResult.

@@ -22,7 +22,7 @@ namespace nocturne {
 namespace {
 
 /// Of scenes whose responses count parts of the light, which programs before it would not see.
-constexpr std::uint32_t kFormat = 3, kFormatWithRange = 7, kLatestFormat = 10;
+constexpr std::uint32_t kFormat = 3, kFormatWithRange = 7, kLatestFormat = 11;
 // nm, where a scene's wavelengths may lie.
 constexpr double kShortest = 200.0, kLongest = 2500.0;
 // Of one spectrum, so that a scene's size says how much work it makes.

@@ -5,13 +5,19 @@
 
 #include <cstdint>
 #include <functional>
+#include <stop_token>
 #include <vector>
 
 #include "luminaires/sky_patches.h"
+#include "scene/daylight_coefficients.h"
 #include "scene/scene.h"
 #include "sensors/film.h"
+#include "tile/tile_sums.h"
 
 namespace nocturne {
+
+/// Of the Sun's disc at the Earth's mean distance, rad.
+inline constexpr float kSunRadius = 0.2666f * kPi / 180.0f;
 
 struct DaylightRequest {
   Film film;
@@ -34,6 +40,18 @@ struct DaylightSums {
   std::vector<double> across;
   std::uint64_t photons = 0, rays = 0, invalid_samples = 0, truncated_paths = 0;
 };
+
+struct DaylightTile {
+  TileSums sums;
+  /// Of each pixel side by side, row by row: sums over samples, in Y.
+  std::vector<double> coefficients;
+};
+
+/// The range of a tile: coefficients beside X, Y, Z of the even sky, or of the mean of the suns.
+/// They are those of trace_daylight, bit for bit. Throws std::invalid_argument where they would be
+/// too many, TracingStopped.
+DaylightTile trace_daylight_tile(const Scene& scene, const DaylightCoefficients& daylight,
+                                 Film film, const TileRange& range, const std::stop_token& stop);
 
 /// Of a sensor of meters and a scene whose sky is the same from everywhere. Throws
 /// std::invalid_argument where it is not so.

@@ -1,5 +1,7 @@
 #include "worker_loop/worker.h"
 
+#include <sys/resource.h>
+
 #include <utility>
 
 #include "log/log.h"
@@ -13,17 +15,23 @@ namespace {
 // The tracer stops within milliseconds, and a job is given back in one call.
 constexpr std::chrono::milliseconds kToStop{500};
 
+/// Further threads for quick copies: short jobs of others than those whose long ones hold the rest.
+/// Two, as one owner's copy may take a second, too.
+constexpr unsigned kQuickThreads = 2;
+
+/// Of the calling thread alone: in Linux each has its own.
+void give_way(int nice) { setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + nice); }
+
 }  // namespace
 
 Worker::Worker(WorkerOptions options, TraceJob trace)
     : options_(std::move(options)),
       trace_(std::move(trace)),
-      tally_(options_.threads + 1),
-      running_(options_.threads + 1) {
+      tally_(options_.threads + kQuickThreads),
+      running_(options_.threads + kQuickThreads) {
   heartbeat_ =
       std::jthread([this](std::stop_token stop) { Heartbeat(options_, jobs_, tally_).run(stop); });
-  // One further for quick copies: short jobs of others than those whose long ones hold the rest.
-  for (unsigned index = 0; index <= options_.threads; ++index) {
+  for (unsigned index = 0; index < options_.threads + kQuickThreads; ++index) {
     threads_.emplace_back([this, index](std::stop_token stop) { run_thread(index, stop); });
   }
 }
@@ -33,6 +41,7 @@ Worker::~Worker() {
 }
 
 void Worker::run_thread(unsigned index, std::stop_token stop) {
+  if (index < options_.threads) give_way(options_.nice);
   WorkerThread(options_, index, trace_, jobs_, tally_).run(stop);
   {
     const std::lock_guard lock(mutex_);

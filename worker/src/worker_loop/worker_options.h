@@ -33,6 +33,9 @@ struct WorkerOptions {
   /// See rounding/floating_point_profile.h; jobs of other classes are handed back.
   std::string floating_point_profile;
   unsigned threads = 1;
+  /// By so much, 0 to 19, the threads' nice value is raised, but for that of quick copies: others
+  /// on the machine wait for an answer, and traced is all day.
+  int nice = 0;
   /// Its time is set whenever Redis has heard that this worker lives, for probes; empty: none.
   std::filesystem::path alive{};
   /// A job that was not extended for so long is somebody else's; it is extended every third of it.

@@ -14,8 +14,8 @@ namespace nocturne {
 
 class WorkerThread {
  public:
-  /// All arguments must outlive this; `index` counts from 0 within the worker. That after
-  /// options.threads takes quick copies and nothing else.
+  /// All arguments must outlive this; `index` counts from 0 within the worker. Those from
+  /// options.threads on take quick copies and nothing else.
   WorkerThread(const WorkerOptions& options, unsigned index, const TraceJob& trace,
                RunningJobs& jobs, Tally& tally);
 

@@ -230,10 +230,12 @@ class Compiled:
         return any("texture" in str(self.message.kernels[index]) for index in kernels)
 
     def bodies(self) -> Iterator[Placed]:
-        """Surfaces that enclose something, as often as they are in the scene."""
+        """Surfaces that enclose something, as often as they are in the scene; boundaries between two indices
+        do not."""
         in_groups: dict[int, list[int]] = {}
+        bodies = [not each.HasField("outside") for each in self.message.interiors]
         for at, surface in enumerate(self.message.surfaces):
-            if surface.HasField("interior"):
+            if surface.HasField("interior") and bodies[surface.interior]:
                 in_groups.setdefault(surface.group, []).append(at)
         frames = [(0, np.eye(3, 4))]
         frames += [(each.group, self.placement(each)) for each in self.message.instances]

@@ -23,6 +23,7 @@ from nocturne_scene.ranges import make_schedule
 from nocturne_api.compiling.pool import CompileLimits
 from nocturne_api.errors import Overloaded, PreflightFailed
 from nocturne_api.limits import (
+    ANNUAL_WALL_S,
     DENOISE_WALL_S,
     IMPORT_CPU_S,
     IMPORT_MEMORY_BYTES,
@@ -35,16 +36,21 @@ from nocturne_api.limits import (
     PICTURES_WAITING,
     PREFLIGHT_BUDGET_S,
     PREFLIGHT_WALL_S,
+    REPORT_WALL_S,
 )
 from nocturne_api.models.scenes import PreflightRequest
 from nocturne_api.places import Places
 
+_ANNUAL = ("-m", "nocturne_api.children.annual")
 _DENOISE = ("-m", "nocturne_api.children.denoising")
 _IMPORT = ("-m", "nocturne_api.children.importing")
 _LOOK_UP = ("-m", "nocturne_api.children.learned")
 _PREFLIGHT = ("-m", "nocturne_api.children.preflight")
+_REPORT = ("-m", "nocturne_api.children.report")
 _READ = ("-m", "nocturne_api.children.picture")
 
+_years = Places(1, 4, "years of daylight are being made; try again in a minute")
+_reports = Places(1, 4, "reports are being made; try again in a minute")
 _imports = Places(IMPORTS_AT_ONCE, 0, f"{IMPORTS_AT_ONCE} scenes are being imported; try again in a minute")
 _lookups = Places(LEARNED_AT_ONCE, 0, f"{LEARNED_AT_ONCE} places are being looked up; try again")
 _pictures = Places(
@@ -89,6 +95,37 @@ async def denoise_in_child(image: Path, folder: Path) -> None:
         raise NotFound("the denoiser failed; the service's log says why")
     if "failed" in answer:
         raise NotFound(answer["failed"])
+
+
+async def year_in_child(job: dict[str, Any], blobs: BlobStore, limits: CompileLimits) -> str:
+    """A year of daylight as JSON.
+
+    Raises InputError, NotFound where samples are missing, and Overloaded while others are made or after
+    ANNUAL_WALL_S.
+    """
+    async with _years.one():
+        try:
+            answer = await answer_of(_ANNUAL, {**job, **_bounds(blobs, limits)}, ANNUAL_WALL_S)
+        except TimeoutError:
+            raise Overloaded(f"the year was not made within {ANNUAL_WALL_S:g} s") from None
+    if answer is None or "failed" in answer:
+        raise NotFound("the service's log has more" if answer is None else answer["failed"])
+    return str(answer["year"])
+
+
+async def report_in_child(job: dict[str, Any], blobs: BlobStore, limits: CompileLimits) -> None:
+    """Writes a report into the job's folder.
+
+    Raises NotFound, which says why there is none, and Overloaded while others are made or after
+    REPORT_WALL_S.
+    """
+    async with _reports.one():
+        try:
+            answer = await answer_of(_REPORT, {**job, **_bounds(blobs, limits)}, REPORT_WALL_S)
+        except TimeoutError:
+            raise Overloaded(f"the report was not made within {REPORT_WALL_S:g} s") from None
+    if answer is None or "failed" in answer:
+        raise NotFound("the service's log has more" if answer is None else answer["failed"])
 
 
 async def picture_as_tiles(file: Path, tiles: Path, edge: int) -> None:

@@ -11,7 +11,7 @@ from multiprocessing.connection import Client
 from pathlib import Path
 from typing import Any
 
-from nocturne_coordinator.errors import ObjectStoreUnavailable
+from nocturne_coordinator.errors import ObjectStoreUnavailable, StoreUnavailable
 from nocturne_coordinator.socket_folder import socket_folder
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.compile.output import CompiledOutput
@@ -70,8 +70,9 @@ def compile_in_child(
 ) -> CompiledOutput:
     """Compiles into `blobs`. Takes as long as it takes. `film`: see `compile_scene`.
 
-    Raises InputError where the scene is wrong, or needs more than it may take; ObjectStoreUnavailable; and
-    Abandoned when `abandoned` is set before it is compiled: the child is ended.
+    Raises InputError where the scene is wrong, or needs more than it may take; ObjectStoreUnavailable, and
+    StoreUnavailable where `blobs` can't be written; and Abandoned when `abandoned` is set before it is
+    compiled: the child is ended.
     """
     output = _ask_child((document, *_place_of(blobs), limits, film, ()), limits, abandoned)
     assert isinstance(output, CompiledOutput)  # noqa: S101 - what a child without layers sends
@@ -109,7 +110,7 @@ def _ask_child(request: object, limits: CompileLimits, abandoned: threading.Even
                 f"takes more than {limits.cpu_seconds} s of processor time to compile, or more memory than "
                 "there is; the service's log has what the compiler said, if anything",
             ) from None
-    if isinstance(answer, ObjectStoreUnavailable):
+    if isinstance(answer, ObjectStoreUnavailable | StoreUnavailable):
         raise answer
     if isinstance(answer, list):
         raise InputError(answer)

@@ -5,6 +5,7 @@ reads mesh files comes later, when nobody has asked for a while: it takes longer
 The process ends when its standard input does: with the API process, however that ends.
 """
 
+import errno
 import importlib
 import os
 import resource
@@ -14,12 +15,13 @@ import socket
 import sys
 import tempfile
 import threading
+import time
 import traceback
 from contextlib import suppress
 from multiprocessing.connection import Connection
 from pathlib import Path
 
-from nocturne_coordinator.errors import ObjectStoreUnavailable
+from nocturne_coordinator.errors import ObjectStoreUnavailable, StoreUnavailable
 from nocturne_coordinator.store.object_store import ObjectStore
 from nocturne_scene.blobs import BlobStore
 from nocturne_scene.compile.compiler import compile_layers, compile_scene
@@ -31,6 +33,19 @@ from nocturne_api.compiling.pool import WARM_SCENE, CompileLimits
 _MEBIBYTE = 1024 * 1024
 
 _IDLE_S = 10.0
+
+_STORAGE = {
+    *(errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EIO, errno.EACCES, errno.EPERM, errno.EMFILE),
+    *(errno.ENFILE, errno.EFBIG),
+}
+"""What the data folder's disk and its rights say, and not the scene."""
+
+QUICK_CPU_S, QUICK_WALL_S, _GLANCE_S = 0.3, 3.0, 0.05
+"""Processor time, or time that mostly a program may have used, for which a scene goes before others; and how
+often that is looked at."""
+
+NICE = 10
+"""Added to the nice value of scenes that take longer."""
 
 
 def main() -> None:
@@ -75,6 +90,7 @@ def _compile(caller: "Connection[object, object]") -> None:
     # With the programs that the compiler starts.
     os.setpgid(0, 0)
     threading.Thread(target=_end_with, args=(caller,), daemon=True).start()
+    threading.Thread(target=_give_way, daemon=True).start()
     document, root, objects, limits, film, layers = request
     bound(limits)
     try:
@@ -86,6 +102,10 @@ def _compile(caller: "Connection[object, object]") -> None:
         caller.send(list(error.problems))
     except ObjectStoreUnavailable as error:
         caller.send(error)
+    except OSError as trouble:
+        if trouble.errno not in _STORAGE:
+            raise
+        caller.send(StoreUnavailable(f"the scene can't be written to the data folder: {trouble.strerror}"))
     except MemoryError:
         most = limits.memory_bytes // _MEBIBYTE
         caller.send([Problem("$.scene", f"needs more than {most} MiB to compile")])
@@ -100,6 +120,15 @@ def _end_with(caller: "Connection[object, object]") -> None:
     os.killpg(0, signal.SIGKILL)
 
 
+def _give_way() -> None:
+    """Most scenes take a tenth of a second, for which somebody waits. Those that take longer, or start a
+    program, a pilot say, go behind those that have just come, with their programs."""
+    begun = time.monotonic()
+    while time.process_time() < QUICK_CPU_S and time.monotonic() < begun + QUICK_WALL_S:
+        time.sleep(_GLANCE_S)
+    os.setpriority(os.PRIO_PGRP, 0, os.getpriority(os.PRIO_PROCESS, 0) + NICE)
+
+
 def bound(limits: CompileLimits) -> None:
     """More than that ends the process, or is a MemoryError."""
     resource.setrlimit(resource.RLIMIT_AS, (limits.memory_bytes, limits.memory_bytes))
@@ -107,7 +136,6 @@ def bound(limits: CompileLimits) -> None:
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     # A child that only waits uses no processor.
     signal.alarm(limits.wall_seconds)
-    os.nice(5)
 
 
 if __name__ == "__main__":

@@ -60,7 +60,7 @@ class Progress(Answer):
     tiles_failed: int = Field(description="Tiles that were given up after failing on several workers.")
     audited: int = Field(description="Ranges that another worker traced again with the same result.")
     unaudited: int = Field(
-        description="Ranges that were chosen to be traced again, and that no other machine traced."
+        description="Ranges that were chosen to be traced again, and that no other machine has traced by now."
     )
     refused: int = Field(description="Results that were refused because they could not be right.")
     predicted_end: float = Field(
@@ -182,7 +182,8 @@ class Render(Answer):
         "open, or the render is too small for a pilot."
     )
     sensor: str = Field(
-        description='Type of the scene\'s sensor, such as "panorama", of which glare can be rated.'
+        description='Type of the scene\'s sensor, such as "panorama", of which glare can be rated; '
+        '"daylight" for meters that measure daylight coefficients.'
     )
     guided: bool = Field(
         description="Whether photons from the sensor are sent to where light was learned to come from."

@@ -2,7 +2,6 @@
 
 import asyncio
 import logging
-import sqlite3
 from collections.abc import AsyncIterator, Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import asynccontextmanager
@@ -12,6 +11,7 @@ from pathlib import Path
 from typing import ParamSpec, Self, TypeVar
 
 from nocturne_coordinator.store.data_folder import DataFolder
+from nocturne_coordinator.store.database import DatabaseUnavailable
 from nocturne_coordinator.store.object_store import ObjectStore
 from nocturne_coordinator.store.quotas import NO_QUOTA, Quota
 
@@ -115,7 +115,7 @@ class FolderAccess:
         except asyncio.CancelledError:
             await asyncio.shield(self._keep(record, what, request_id, BROKEN_OFF))
             raise
-        except (sqlite3.OperationalError, FolderSlow):
+        except (DatabaseUnavailable, FolderSlow):
             # What could not be written changed nothing, and a line of it could not be written either.
             raise
         except Exception as error:
@@ -136,5 +136,5 @@ class FolderAccess:
                 outcome,
                 limits.CALLS_RECORDED,
             )
-        except (sqlite3.OperationalError, FolderSlow) as trouble:
+        except (DatabaseUnavailable, FolderSlow) as trouble:
             _log.error("not recorded: %s of %s by %s: %s: %s", what, record.render_id, who, outcome, trouble)

@@ -1,10 +1,10 @@
 """Whether the service works: reads, writes, takes renders, and has a coordinator that merges."""
 
 import asyncio
-import sqlite3
 import time
 from collections.abc import Awaitable, Callable, Collection, Mapping
 
+from nocturne_coordinator.store.database import DatabaseTrouble
 from nocturne_scene.errors import NocturneError
 
 from nocturne_api import limits
@@ -47,7 +47,7 @@ class Readiness:
                 trouble = await self._checks[name]()
         except TimeoutError:
             trouble = f"There was no answer in {2 * limits.READY_WAIT_S:g} s."
-        except (NocturneError, sqlite3.Error, OSError) as error:
+        except (NocturneError, DatabaseTrouble, OSError) as error:
             trouble = str(error)
         return Check(name=name, ok=not trouble, trouble=trouble)
 

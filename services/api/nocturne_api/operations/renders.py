@@ -13,6 +13,7 @@ from nocturne_coordinator.store.groups import Groups as GroupRows
 from nocturne_coordinator.store.quotas import Quota, check_quota
 from nocturne_coordinator.store.removal import delete_render
 from nocturne_coordinator.store.rows import RenderRow
+from nocturne_coordinator.traces import Traces
 from nocturne_scene.errors import NotFound
 
 from nocturne_api import limits
@@ -53,7 +54,9 @@ class Renders:
         garbage_collector: GarbageCollector,
         space: DiskQuota,
         layer_builder: LayerBuilder,
+        traces: Traces,
     ) -> None:
+        self._traces = traces
         self._access = access
         self._space = space
         self._compile_limits = compile_limits
@@ -80,6 +83,7 @@ class Renders:
         return NewGroup(name=renders[0].group, renders=[*renders])
 
     async def _create(self, request: CreateRenderRequest) -> Sequence[Render]:
+        begun = time.time()
         async with self._access.recorded("create", request_id=request.request_id) as record:
             CALLER.get().need("submit")
             self._space.check()
@@ -92,6 +96,14 @@ class Renders:
             with self._waiting_for_compiler():
                 created = await self._compiled_and_created(request, members, owner)
             record.render_id = created[0].id
+            for each in created:
+                # One that was made before has its span.
+                if each.created >= begun:
+                    about: dict[str, str | int] = {
+                        "nocturne.owner": owner,
+                        "nocturne.ranges": each.ranges_planned,
+                    }
+                    self._traces.submitted(each.id, begun, about)
             if created[0].layers:
                 self._layers_maker.wake()
             return [Render.of(row) for row in created]

@@ -17,7 +17,7 @@ from nocturne_coordinator.store.tags import checked_tags
 from nocturne_scene.compile.layers import check_can_make, usual_layers
 from nocturne_scene.document.model import SceneDocument
 from nocturne_scene.document.read import check_document
-from nocturne_scene.document.sensors import film_size
+from nocturne_scene.document.sensors import Meters, film_size
 from nocturne_scene.errors import InputError, Problem
 from nocturne_scene.film import Film
 from nocturne_scene.layers import known_layers
@@ -93,7 +93,7 @@ def compiled(
         stop=stop,
         priority=priority,
         owner=owner,
-        sensor=document.sensor.type,
+        sensor=_sensor_of(document),
         layers=layers,
         usual_layers=usual_layers(document, Film(width, height, request.samples)),
         in_group=request.group,
@@ -103,7 +103,14 @@ def compiled(
     if before is None:
         return _with_scene(new, document, folder, compile_limits, abandoned)
     schedule, sha256 = folder.renders.schedule(before.id), before.scene_sha256
-    return replace(new, scene_sha256=sha256, schedule=schedule, warnings=before.warnings, way=before.way)
+    same = replace(new, scene_sha256=sha256, schedule=schedule, warnings=before.warnings, way=before.way)
+    return _planned(same)
+
+
+def _sensor_of(document: SceneDocument) -> str:
+    """Its type; of meters that measure daylight coefficients "daylight"."""
+    sensor = document.sensor
+    return "daylight" if isinstance(sensor, Meters) and sensor.daylight is not None else sensor.type
 
 
 def _with_scene(
@@ -119,7 +126,7 @@ def _with_scene(
     for sha256 in output.blobs:
         # Here too, not in the object store only.
         folder.blobs.path(sha256)
-    return replace(
+    made = replace(
         new,
         scene_sha256=output.scene_sha256,
         schedule=schedule_for_scene(folder.blobs, output.scene_sha256, *film),
@@ -127,6 +134,13 @@ def _with_scene(
         way=output.way,
         files=output.blobs,
     )
+    return _planned(made)
+
+
+def _planned(new: NewRender) -> NewRender:
+    """Of the Sun's disc one sample is taken, however many are asked for."""
+    once = new.schedule.coefficients and list(new.schedule.range_ends) == [1]
+    return replace(new, samples=1) if once else new
 
 
 def checked_stop(asked: Mapping[str, Any], before: StopConditions) -> StopConditions:

@@ -8,6 +8,7 @@ from fastapi import FastAPI
 from fastapi.routing import APIRoute
 from starlette.types import ASGIApp
 
+from nocturne_api.access import Authenticator
 from nocturne_api.operations.operations import Operations
 from nocturne_api.rest import (
     assets,
@@ -27,7 +28,6 @@ from nocturne_api.rest import (
 from nocturne_api.rest.contract import DescribedApp, errors
 from nocturne_api.rest.middleware import SecurityMiddleware
 from nocturne_api.rest.protocol import LeavingMiddleware, LingeringMiddleware
-from nocturne_api.rest.sessions import Sessions
 
 _ROUTERS = (
     renders,
@@ -64,10 +64,9 @@ def build_rest(operations: Operations, web: Path, loopback_only: bool, authentic
     """The ASGI application over `operations`, with the page in the folder `web` at `/`."""
     app = described_app()
     app.state.operations = operations
-    app.state.sessions = sessions = Sessions()
     app.state.page = app.router.default = page.Page(web)
-    identify = operations.identify if authenticate else None
-    guarded = SecurityMiddleware(app, loopback_only, identify, operations.check_folder, sessions)
+    authenticator = Authenticator(operations.identify, operations.identify_session) if authenticate else None
+    guarded = SecurityMiddleware(app, loopback_only, authenticator, operations.check_folder)
     return LingeringMiddleware(LeavingMiddleware(guarded))
 
 

@@ -1,6 +1,6 @@
 """Security middleware: who may ask, and which headers every answer carries."""
 
-from collections.abc import Awaitable, Callable
+from collections.abc import Callable
 from urllib.parse import urlsplit
 
 from starlette.datastructures import Headers, MutableHeaders
@@ -10,9 +10,6 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from nocturne_api.access import CALLER, Authenticator, Caller, secret_in
 from nocturne_api.errors import Refused, Unauthenticated, failure_of
 from nocturne_api.rest.problems import response_of
-from nocturne_api.rest.sessions import Sessions
-
-Identify = Callable[[str], Awaitable[Caller]]
 
 TOKEN_COOKIE = "nocturne_token"  # noqa: S105 - a name
 TOKEN_PATH = "/v1"  # noqa: S105 - a path
@@ -52,17 +49,15 @@ class SecurityMiddleware:
         self,
         app: ASGIApp,
         loopback_only: bool,
-        identify: Identify | None = None,
+        authenticator: Authenticator | None = None,
         check_folder: Callable[[], None] = lambda: None,
-        sessions: Sessions | None = None,
     ) -> None:
-        """`identify` gives who has a secret; without it, anybody may do anything. `check_folder` raises where
-        the data folder is gone."""
+        """Without an authenticator anybody may do anything. `check_folder` raises where the data folder is
+        gone."""
         self._app = app
         self._check_folder = check_folder
-        self._sessions = sessions or Sessions()
         self._loopback_only = loopback_only
-        self._authenticator = None if identify is None else Authenticator(identify)
+        self._authenticator = authenticator
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http":
@@ -83,8 +78,7 @@ class SecurityMiddleware:
             try:
                 self._check_folder()
                 if self._authenticator is not None:
-                    secret = _secret(Headers(scope=scope), self._sessions)
-                    CALLER.set(await self._authenticator.authenticate(secret, address))
+                    CALLER.set(await _caller(self._authenticator, Headers(scope=scope), address))
             except Exception as error:
                 headers = _challenge(Headers(scope=scope)) if isinstance(error, Unauthenticated) else None
                 app = response_of(failure_of(error), headers)
@@ -103,13 +97,13 @@ class SecurityMiddleware:
         return ""
 
 
-def _secret(headers: Headers, sessions: Sessions) -> str:
-    """The token of a request: in its own header, or that of the session in the page's cookie."""
+async def _caller(authenticator: Authenticator, headers: Headers, address: str) -> Caller:
+    """By the token in a request's header, or the session in the page's cookie."""
     cookies = cookie_parser(headers.get("cookie", ""))
     authorization = headers.get("authorization", "")
     if TOKEN_COOKIE in cookies and not authorization:
-        return sessions.secret(cookies[TOKEN_COOKIE])
-    return secret_in(authorization)
+        return await authenticator.of_session(cookies[TOKEN_COOKIE])
+    return await authenticator.authenticate(secret_in(authorization), address)
 
 
 def _challenge(headers: Headers) -> dict[str, str]:

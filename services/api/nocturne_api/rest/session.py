@@ -9,6 +9,7 @@ from starlette.responses import JSONResponse, Response
 from nocturne_api.access import CALLER, secret_in
 from nocturne_api.models.session import Session
 from nocturne_api.rest.middleware import TOKEN_COOKIE, TOKEN_PATH
+from nocturne_api.rest.requests import Service
 
 router = APIRouter(prefix="/v1", tags=["session"])
 
@@ -20,14 +21,14 @@ async def get_session() -> Session:
 
 
 @router.post("/session", response_model=Session)
-async def begin_session(request: Request) -> Response:
+async def begin_session(request: Request, service: Service) -> Response:
     """Begins a session of the token in the Authorization header, by a cookie that scripts cannot read."""
     response = JSONResponse(_caller().model_dump())
     authorization = request.headers.get("authorization", "")
     if authorization:
         response.set_cookie(
             TOKEN_COOKIE,
-            request.app.state.sessions.begin(secret_in(authorization)),
+            await service.begin_session(secret_in(authorization)),
             path=TOKEN_PATH,
             httponly=True,
             samesite="strict",
@@ -37,9 +38,10 @@ async def begin_session(request: Request) -> Response:
 
 
 @router.delete("/session", status_code=204, response_class=Response)
-async def end_session(request: Request) -> Response:
+async def end_session(request: Request, service: Service) -> Response:
     """Ends the session, wherever its cookie was copied to, and takes the cookie back."""
-    request.app.state.sessions.end(request.cookies.get(TOKEN_COOKIE, ""))
+    if name := request.cookies.get(TOKEN_COOKIE):
+        await service.end_session(name)
     response = Response(status_code=204)
     response.delete_cookie(TOKEN_COOKIE, path=TOKEN_PATH, httponly=True, samesite="strict")
     return response

@@ -118,6 +118,7 @@ def annual(
     from nocturne_scene.daylight.coefficients import Layout
     from nocturne_scene.daylight.metrics import GROUPS
     from nocturne_scene.daylight.patches import Patches
+    from nocturne_scene.daylight.plain_year import as_json as plain
 
     from nocturne_client.local import annual_files
     from nocturne_client.local.annual import Annual, study
@@ -159,7 +160,7 @@ def annual(
     for path, made in writers:
         annual_files.write(path, made(found))
     if as_json:
-        print_json(annual_files.as_json(found))
+        print_json(plain(found))
         return
     for line in annual_files.lines(found):
         CONSOLE.print(line, markup=False, highlight=False)

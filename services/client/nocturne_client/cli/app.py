@@ -22,6 +22,7 @@ from nocturne_client.cli import (
     up_commands,
     validate_command,
     webhook_commands,
+    year_command,
 )
 from nocturne_client.cli.output import ExitStatus, print_error
 from nocturne_client.console import ERRORS
@@ -74,6 +75,7 @@ parts_commands.add_to(app)
 preflight_command.add_to(app)
 validate_command.add_to(app)
 annual_command.add_to(app)
+year_command.add_to(app)
 report_command.add_to(app)
 app.add_typer(token_commands.app)
 app.add_typer(webhook_commands.app)

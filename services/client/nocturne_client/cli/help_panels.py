@@ -35,6 +35,7 @@ PANELS: dict[str, dict[str, str]] = {
         "measure": "Min, mean, max, U0, Ud of parts of an image, with errors",
         "glare": "UGR and DGP of a panorama or fisheye",
         "ugr": "Print the UGR table of a luminaire (CIE 117, CIE 190)",
+        "year": "A year of daylight that a service traced: sDA, ASE",
         "point": "All illuminances at the point of a panorama",
         "report": "Report on the light of a room; is a requirement met?",
         "mix": "Dim light groups of an image; nothing is traced",
@@ -58,6 +59,7 @@ PANELS: dict[str, dict[str, str]] = {
         "token": "Make, list and revoke API tokens",
         "webhook": "Tell an address how your renders end",
         "restore": "Examine a data folder after a disaster, and repair it",
+        "database": "Put the database of a new data folder on a server",
         "doctor": "List what this machine or a service lacks",
     },
 }

@@ -37,7 +37,7 @@ def add_to(app: typer.Typer) -> None:
         import_scene: "import",
         export_scene: "export",
     }
-    commands = (render, ies, ugr, compile_scene, import_scene, export_scene, doctor, restore)
+    commands = (render, ies, ugr, compile_scene, import_scene, export_scene, doctor, restore, database)
     for command in commands:
         app.command(name=names.get(command))(command)
 
@@ -261,3 +261,19 @@ def restore(
         for line in restoring.as_lines(found):
             typer.echo(line)
     raise typer.Exit(int(bool(found.missing)))
+
+
+def database(
+    server: Annotated[
+        str,
+        typer.Argument(metavar="URL", help="postgresql://USER@HOST/NAME; passwords stand in ~/.pgpass."),
+    ],
+    data: Annotated[
+        Path | None, typer.Option("--data", help="Data folder, a new one. Default: yours.")
+    ] = None,
+) -> None:
+    """Put the database of a new data folder on a PostgreSQL server, for services on several machines."""
+    from nocturne_client.local import restoring
+
+    folder = restoring.database_on_server(data, server)
+    typer.echo(f"{folder} has its database on {server}; every program that opens the folder goes there.")

@@ -92,7 +92,7 @@ def print_render(render: Render, as_json: bool, price: Usage | None = None) -> N
 
 
 def _audited(progress: Progress) -> str:
-    missing = f", not {progress.unaudited:,}: no other machine was there" if progress.unaudited else ""
+    missing = f", {progress.unaudited:,} more by no other machine yet" if progress.unaudited else ""
     return f"{progress.audited:,} ranges{missing}; results refused: {progress.refused:,}"
 
 

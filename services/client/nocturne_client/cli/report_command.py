@@ -29,8 +29,8 @@ def report(
         typer.Option(
             "--output",
             "-o",
-            metavar="OUT.pdf|.html|.svg|.png",
-            help="The report, or the first plan alone as a picture; may be repeated.",
+            metavar="OUT.pdf|.html|.json|.svg|.png",
+            help="The report, its words alone, or the first plan as a picture; may be repeated.",
         ),
     ],
     scene: Annotated[

@@ -2,7 +2,7 @@
 
 import hashlib
 import uuid
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated, Any
@@ -33,7 +33,7 @@ from nocturne_client.console import ERRORS
 from nocturne_client.contract import ImportedScene
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.models import Render
-from nocturne_client.scene_files import is_of_other_renderer
+from nocturne_client.scene_files import SceneOnDisk, is_of_other_renderer, read_scene, with_year
 
 Frames = Annotated[
     str,
@@ -59,7 +59,21 @@ Wait = Annotated[
         help="How long to wait, in all, while the service is busy or a quota is used up.",
     ),
 ]
+Annual = Annotated[
+    Path | None,
+    typer.Option(
+        "--annual",
+        metavar="FILE.epw",
+        help="Trace the daylight of a year at the scene's meters, by three renders; --samples are those of "
+        "each point. `nocturne year ID` tells the figures.",
+    ),
+]
 After = Annotated[str, typer.Option("--after", metavar="GROUP", help="Begin when this group has ended.")]
+
+
+_PARTS = "sensor.daylight.of", ["sky", "sun_reflected", "sun_straight"]
+_BATCHES = 32
+"""As a scene document has them."""
 
 
 def submit(
@@ -82,6 +96,7 @@ def submit(
     ] = 0,
     layers: LayerNames = "",
     bands: BandEdges = "",
+    annual: Annual = None,
     sets: Settings = None,
     frames: Frames = "",
     varied: Varied = None,
@@ -109,12 +124,15 @@ def submit(
     settings = {"stop": stop, "priority": weight, "layers": layer_names(layers), "changes": changes}
     settings |= {"group": group, "after": after, "tags": tags or []}
     with Client(url, patience_s=wait, on_wait=_waits) as client:
-        found: dict[Path, dict[str, Any]] = {}
+        found: dict[Path, dict[str, Any] | SceneOnDisk] = {}
         if is_of_other_renderer(scene):
             imported = _imported(client, scene, allow_missing, light)
             found[scene], name = imported.document, name or scene.stem
             width = imported.width if width is None else width
             height = imported.height if height is None else height
+        if annual is not None:
+            found |= {each: _year(found.get(each, each), annual) for each in scenes}
+            samples, variants = _of_batch(samples, changes), [*variants, _PARTS]
         with _repeatable(chosen):
             renders = [
                 render
@@ -137,6 +155,20 @@ def submit(
         _print(renders, as_json, whether_watched=then_watch)
         if then_watch:
             raise typer.Exit(max(follow(client.watch(render.id), as_json) for render in renders))
+
+
+def _year(scene: Path | dict[str, Any] | SceneOnDisk, weather: Path) -> SceneOnDisk:
+    if isinstance(scene, Path):
+        on_disk = read_scene(scene)
+        # Else the file's name would be lost.
+        return with_year(SceneOnDisk({"name": scene.stem, **on_disk.document}, on_disk.files), weather)
+    return with_year(scene if isinstance(scene, SceneOnDisk) else SceneOnDisk(scene, {}), weather)
+
+
+def _of_batch(samples: int, changes: Mapping[str, Any]) -> int:
+    """Samples of each batch, as `nocturne annual` has them."""
+    batches = changes.get("sensor.daylight.batches", _BATCHES)
+    return max(2, samples // batches) if isinstance(batches, int) and batches > 0 else samples
 
 
 def _imported(client: Client, scene: Path, allow_missing: bool, light: str) -> ImportedScene:

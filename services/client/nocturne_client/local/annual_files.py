@@ -2,85 +2,20 @@
 
 import csv
 import io
-import json
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from nocturne_scene.daylight.metrics import Estimate, Share
+from nocturne_scene.daylight.metrics import Estimate
+from nocturne_scene.daylight.plain_year import UNITS, as_text
+from nocturne_scene.daylight.year_of_light import YearOfLight
 
 from nocturne_client.errors import NocturneClientError
-from nocturne_client.local.annual import YearOfLight
 from nocturne_client.local.annual_picture import picture
 from nocturne_client.outputs import written
 from nocturne_client.readings import rounded
 
-UNITS = {
-    "hours above": "h",
-    "sun hours": "h",
-    "mean illuminance": "lx",
-    "lux hours of the year": "lx h",
-    "melanopic EDI": "lx",
-}
-"""Of figures; all others are parts of the hours."""
-
-
-def as_json(found: YearOfLight) -> dict[str, Any]:
-    """All of it; `hourly` is the mean over the points of each hour of the year, lx."""
-    place = found.year.place
-    return {
-        "weather": found.year.name,
-        "latitude": place.latitude,
-        "longitude": place.longitude,
-        "hours": found.hours,
-        "batches": found.batches,
-        "samples": found.samples,
-        **({} if found.blinds_closed is None else {"blinds closed": found.blinds_closed}),
-        "sDA": {**_share(found.sda), "probabilities": found.sda.probabilities.tolist()},
-        "ASE": _share(found.ase),
-        **{name: _share(each) for name, each in found.provision.items()},
-        "verdicts": [{"says": said, "probability": chance} for said, chance in found.verdicts()],
-        "hourly": [float(f"{each:.4g}") for each in found.hourly.value],
-        "means": {name: _estimate(each) for name, each in found.means.items()},
-        "points": [
-            {
-                "instrument": found.points.names[i],
-                "place": found.points.places[i].tolist(),
-                **{
-                    name: _estimate(Estimate(each.value[i], each.error[i], each.degrees))
-                    for name, each in found.by_point.items()
-                },
-            }
-            for i in range(len(found.points.names))
-        ],
-        "eyes": [
-            {
-                "instrument": found.points.names[i],
-                "place": found.points.places[i].tolist(),
-                **{
-                    name: _estimate(Estimate(each.value[at], each.error[at], each.degrees))
-                    for name, each in found.of_eyes.items()
-                },
-            }
-            for at, i in enumerate(found.eyes)
-        ],
-    }
-
-
-def _share(share: Share) -> dict[str, float]:
-    return {"value": share.value, "low": share.low, "high": share.high}
-
-
-def _estimate(each: Estimate) -> dict[str, Any]:
-    low, high = each.interval()
-    return {"value": float(each.value), "low": float(low), "high": float(high)}
-
-
-def _json(found: YearOfLight) -> str:
-    return json.dumps(as_json(found), indent=1) + "\n"
-
-
-WRITERS: Mapping[str, Callable[[YearOfLight], str]] = {".json": _json, ".svg": picture}
+WRITERS: Mapping[str, Callable[[YearOfLight], str]] = {".json": as_text, ".svg": picture}
 """By endings of files."""
 
 

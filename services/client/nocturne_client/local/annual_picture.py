@@ -4,9 +4,9 @@ from collections.abc import Iterator, Sequence
 from xml.sax.saxutils import escape
 
 import numpy as np
+from nocturne_scene.daylight.year_of_light import YearOfLight
 from nocturne_scene.spectra.published import Floats
 
-from nocturne_client.local.annual import YearOfLight
 from nocturne_client.local.false_colour import COLOURS, step_colour
 
 _WIDTH, _MARGIN = 760, 50
@@ -41,10 +41,10 @@ def _grids(found: YearOfLight) -> Iterator[tuple[str, Floats]]:
     """Daylight autonomy of each instrument with a grid, as its plan."""
     first = 0
     for instrument in found.points.instruments:
-        columns, rows = instrument.size
+        columns, rows = instrument.columns, instrument.rows
         values = found.by_point["DA"].value[first : first + columns * rows]
         first += columns * rows
-        if instrument.grid is not None:
+        if instrument.is_grid:
             yield instrument.name, values.reshape(rows, columns)
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from nocturne_scene.compare.agreement import Difference, Estimate, compare
+from nocturne_scene.compare.agreement import Difference, Estimate, compare, compare_by_tiles
 from nocturne_scene.compare.images import Picture, read_picture, write_difference
 from nocturne_scene.errors import InputError
 from nocturne_scene.photometry.polarisation import LinearPolarisation, polarisation_of
@@ -49,6 +49,16 @@ class Compared:
     """Its standard error."""
     polarisation: tuple[LinearPolarisation, LinearPolarisation] | None = None
     """How the mean light of both is polarised, where both files tell."""
+    silent: Path | None = None
+    """The one file that does not state its errors; its noise is unknown."""
+
+    @property
+    def differs(self) -> bool:
+        """Whether noise does not explain the difference; where a file has no errors, that of the means."""
+        verdict, by_tiles = self.difference.verdict, self.difference.by_tiles
+        if by_tiles is not None:
+            return not by_tiles.means_agree
+        return verdict is not None and not (verdict.pixels_agree and verdict.sums_agree)
 
 
 def compare_files(comparison: Comparison, difference: Path | None) -> Compared:
@@ -56,13 +66,21 @@ def compare_files(comparison: Comparison, difference: Path | None) -> Compared:
     with client_errors("the images can't be compared"):
         image, reference = read_picture(comparison.image), read_picture(comparison.reference)
         one, other, names = _estimates(comparison, image, reference)
+        silent = _silent(comparison, one, other)
         try:
-            found = compare(one, other)
+            found = compare(one, other) if silent is None else compare_by_tiles(one, other)
         except ValueError as error:
             raise InputError.at(str(comparison.image), str(error)) from None
         if difference is not None:
             write_difference(difference, image.xyz[..., 1] * comparison.scale, reference.xyz[..., 1])
-    return Compared(found, names, *_shift(image, reference), _polarisation(image, reference))
+    return Compared(found, names, *_shift(image, reference), _polarisation(image, reference), silent)
+
+
+def _silent(comparison: Comparison, one: Estimate, other: Estimate) -> Path | None:
+    """The file whose noise is unknown, if that of the other one is known."""
+    if (one.variance is None) == (other.variance is None):
+        return None
+    return comparison.image if one.variance is None else comparison.reference
 
 
 def _estimates(
@@ -159,6 +177,10 @@ def as_json(compared: Compared) -> dict[str, Any]:
         ]
     if found.ratio_error is not None:
         values["ratio_error"] = found.ratio_error.tolist()
+    if found.by_tiles is not None:
+        values["without_errors"] = str(compared.silent)
+        values["mean_z"] = found.by_tiles.mean_z.tolist()
+        values["explained"], values["means_agree"] = found.by_tiles.explained, found.by_tiles.means_agree
     if found.verdict is not None:
         verdict = found.verdict
         values["share_explained"] = verdict.share_explained
@@ -173,9 +195,10 @@ def as_lines(compared: Compared) -> list[str]:
     lines = [f"relMSE {found.relmse:.4g}, without the largest thousandth {found.trimmed_relmse:.4g}"]
     for index, name in enumerate(compared.names):
         line = f"mean {name}: {found.ratio[index] - 1:+.3%} of the reference's"
-        if found.ratio_error is not None and found.verdict is not None:
+        known = found.verdict or found.by_tiles
+        if found.ratio_error is not None and known is not None:
             half = CONFIDENCE * found.ratio_error[index]
-            line += f" +- {half:.3%} (95 %; z {found.verdict.mean_z[index]:+.1f})"
+            line += f" +- {half:.3%} (95 %; z {known.mean_z[index]:+.1f})"
         lines.append(line)
     if compared.shift is not None:
         shifts = zip(("u'", "v'"), compared.shift, compared.shift_error, strict=True)
@@ -183,6 +206,21 @@ def as_lines(compared: Compared) -> list[str]:
         lines.append(f"mean chromaticity off by {told} (95 %)")
     if compared.polarisation is not None:
         lines.append("linearly polarised " + ", the reference's ".join(map(_told, compared.polarisation)))
+    if found.by_tiles is not None:
+        agree = "agree" if found.by_tiles.means_agree else "differ by more than noise"
+        return [
+            *lines,
+            f"{compared.silent} does not state its errors: "
+            "the interval is from the scatter of tiles, and pixels are not judged",
+            f"stated errors explain {found.by_tiles.explained:.0%} of the squared difference of pixels; "
+            "the rest is noise of that file, or a difference",
+            f"means {agree}",
+        ]
+    if found.verdict is None and compared.silent is not None:
+        return [
+            *lines,
+            f"{compared.silent} does not state its errors, and the images are too small to estimate them",
+        ]
     if found.verdict is None:
         return [*lines, "neither file tells its noise, so nothing can be said about chance"]
     verdict = found.verdict

@@ -1,6 +1,5 @@
 """Daylight coefficients of a scene's meters, by nocturne-trace on this machine, in rounds of samples."""
 
-import copy
 import subprocess
 import tempfile
 from collections.abc import Callable, Iterator, Mapping
@@ -9,20 +8,25 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import OpenEXR
 from nocturne.v1 import job_pb2, scene_pb2
-from nocturne_scene.compile.meters import places_of
-from nocturne_scene.compile.spectra import response
+from nocturne_scene.compile.daylight_coefficients import (
+    frame_of,
+    in_scene,
+    points_of,
+    see_as_melanopsin,
+    sky_alone,
+    sunny_environment,
+    sunny_sky,
+)
 from nocturne_scene.daylight.coefficients import Coefficients, Layout
 from nocturne_scene.daylight.patches import Patches
+from nocturne_scene.daylight.points import Points
 from nocturne_scene.daylight.year_of_skies import YearOfSkies
+from nocturne_scene.daylight_ranges import daylight_range_ends
 from nocturne_scene.document.changes import changed
-from nocturne_scene.document.instruments import Instrument
-from nocturne_scene.document.model import SceneDocument
 from nocturne_scene.document.read import check_document
 from nocturne_scene.document.sensors import Meters
-from nocturne_scene.document.skies import StandardSky, WeatherSky
-from nocturne_scene.spectra import published
+from nocturne_scene.errors import InputError
 from nocturne_scene.spectra.published import Floats
 from numpy.typing import NDArray
 
@@ -30,30 +34,10 @@ from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.compiled import compile_parts
 from nocturne_client.local.failures import client_errors
 from nocturne_client.local.programs import need_program
-from nocturne_client.scene_files import DIGEST_PREFIX, SceneOnDisk, digest, read_scene
+from nocturne_client.scene_files import SceneOnDisk, digest, read_scene
 
-_WHITE = {"radiance": {"illuminant": "D65", "luminance": 1.0}}
-"""1 cd/m2 from everywhere."""
-_RESPONSES = ("responses", "named_responses", "bands", "colour", "light_parts", "measures", "observer")
-_PICTURE = (1024, 2048)
-"""Rows and columns of a picture of the Sun's patches."""
 _LARGEST_FILM = 16384
 _MOST_BYTES = 4e9
-
-
-@dataclass(frozen=True)
-class Points:
-    """Where daylight is measured."""
-
-    instruments: list[Instrument]
-    names: list[str]
-    """Of the instrument, by point."""
-    places: Floats
-    """By point, m."""
-    film: tuple[int, int]
-    """Columns and rows of one batch."""
-    pixels: list[int]
-    """On that film, by point."""
 
 
 @dataclass(frozen=True)
@@ -67,7 +51,7 @@ class DaylightScene:
 
     def in_scene(self, towards: Floats) -> Floats:
         """Directions of vectors to the east, to the north and up."""
-        return towards @ np.stack([np.cross(self.north, self.up), self.north, self.up])
+        return in_scene(towards, self.up, self.north)
 
 
 def daylight_scene(path: Path, changes: Mapping[str, Any], north: Floats | None) -> DaylightScene:
@@ -84,64 +68,13 @@ def daylight_scene(path: Path, changes: Mapping[str, Any], north: Floats | None)
                 f"{path}: the sensor is {document.sensor.type}; daylight of a year is that of meters: "
                 '"sensor": {"type": "meters", "instruments": [{"name": ..., "grid": ...}]}'
             )
-        up, found_north = _frame(document)
-        if north is not None:
-            found_north = north
-        up = up / np.linalg.norm(up)
-        level = found_north - (found_north @ up) * up
-        if np.linalg.norm(level) < 1e-6 * np.linalg.norm(found_north) or not found_north.any():
-            raise NocturneClientError("north is straight up or down; expected a direction on the level")
-        alone = SceneOnDisk(_sky_alone(given), on_disk.files)
-        points = _points(document.sensor)
-    return DaylightScene(alone, points, up, level / np.linalg.norm(level))
-
-
-def _frame(document: SceneDocument) -> tuple[Floats, Floats]:
-    sky = document.environment
-    north = np.array([0.0, 0.0, -1.0])
-    if not isinstance(sky, StandardSky | WeatherSky):
-        return np.array([0.0, 1.0, 0.0]), north
-    return np.array(sky.up), north if sky.place is None else np.array(sky.place.north)
-
-
-def _sky_alone(document: Mapping[str, Any]) -> dict[str, Any]:
-    made = copy.deepcopy(dict(document))
-    waiting: list[Any] = [made.get("surfaces", []), made.get("groups", {})]
-    while waiting:
-        part = waiting.pop()
-        if isinstance(part, dict):
-            part.pop("luminaire", None)
-            waiting += part.values()
-        elif isinstance(part, list):
-            waiting += part
-    for name in ("distant", "ray_files"):
-        made.pop(name, None)
-    made["environment"] = _WHITE
-    made["sensor"] = {name: value for name, value in made["sensor"].items() if name not in _RESPONSES}
-    tracing = {**made.get("tracing", {}), "direction": "adjoint", "sharing": 1}
-    made["tracing"] = {
-        name: value for name, value in tracing.items() if not name.startswith(("aim", "forward"))
-    }
-    return made
-
-
-def _points(sensor: Meters) -> Points:
-    (width, height), corners = sensor.layout()
-    names, places, pixels, kept = [], [], [], []
-    for instrument, (left, top) in zip(sensor.instruments, corners, strict=True):
-        if instrument.name == sensor.outdoor:
-            continue
-        if instrument.faces is not None:
-            raise NocturneClientError(
-                f'the instrument "{instrument.name}" is on faces; daylight of a year is of points and grids'
-            )
-        kept.append(instrument)
-        columns = instrument.size[0]
-        for index, place in enumerate(places_of(instrument)):
-            names.append(instrument.name)
-            places.append(place)
-            pixels.append((top + index // columns) * width + left + index % columns)
-    return Points(kept, names, np.array(places, dtype=np.float64), (width, height), pixels)
+        try:
+            up, level = frame_of(document, north)
+            points = points_of(document.sensor)
+        except InputError as error:
+            raise NocturneClientError(error.problems[0].message) from error
+        alone = SceneOnDisk(sky_alone(given), on_disk.files)
+    return DaylightScene(alone, points, up, level)
 
 
 @dataclass(frozen=True)
@@ -177,7 +110,7 @@ def rounds(
         with_suns = sunny_scene(scene, folder, layout.suns, sunny)
         of_suns = Traced(scene, with_suns, folder / "sun", layout.suns, asked, told) if len(sunny) else None
         total, first = None, 0
-        for end in _ends(asked.samples):
+        for end in daylight_range_ends(asked.samples):
             straight = folder / "suns" if first == 0 and len(suns) else None
             sky, found, across = of_sky.trace(first, end, straight, len(suns) if straight else 0)
             reflected = np.zeros((*sky.shape[:2], 0))
@@ -205,31 +138,10 @@ def check_size(points: Points, layout: Layout, skies: YearOfSkies, asked: Rounds
 
 def sunny_scene(scene: DaylightScene, folder: Path, patches: Patches, sunny: NDArray[np.intp]) -> SceneOnDisk:
     """The scene with a sky of 1 cd/m2 in some patches alone."""
-    rows, columns = _PICTURE
-    polar = np.pi * (np.arange(rows) + 0.5) / rows
-    # The picture's middle is north, its right half the east.
-    azimuth = 2 * np.pi * (np.arange(columns) + 0.5) / columns - np.pi
-    across = np.sin(polar)[:, None]
-    towards = np.stack(
-        np.broadcast_arrays(across * np.sin(azimuth), across * np.cos(azimuth), np.cos(polar)[:, None]),
-        axis=-1,
-    )
-    lit = np.isin(patches.numbers(towards), sunny)
-    # Patches are lit up to their edges, where texels are means.
-    for axis in (0, 1):
-        lit |= np.roll(lit, 1, axis) | np.roll(lit, -1, axis)
-    plane = lit.astype(np.float32)
     picture = folder / "suns.exr"
-    with OpenEXR.File({}, {"RGB": np.stack([plane] * 3, axis=-1)}) as file:
-        file.write(str(picture))
+    sunny_sky(picture, patches, sunny)
     sha256 = digest(picture)
-    sky = {
-        "asset": DIGEST_PREFIX + sha256,
-        "luminance": 1.0,
-        "up": scene.up.tolist(),
-        "forward": scene.north.tolist(),
-    }
-    document = {**scene.on_disk.document, "environment": sky}
+    document = {**scene.on_disk.document, "environment": sunny_environment(sha256, scene.up, scene.north)}
     return SceneOnDisk(document, {**scene.on_disk.files, sha256: picture})
 
 
@@ -250,7 +162,9 @@ class Traced:
         film, samples = scene.points.film, asked.batches * asked.samples
         self._compiled = compile_parts(on_disk, folder, film, samples, seed, "the scene")
         if asked.melanopic:
-            _see_as_melanopsin(self._compiled.scene)
+            message = scene_pb2.CompiledScene.FromString(self._compiled.scene.read_bytes())
+            see_as_melanopsin(message.sensor)
+            self._compiled.scene.write_bytes(message.SerializeToString(deterministic=True))
         for line in self._compiled.said():
             told(line)
 
@@ -278,31 +192,6 @@ class Traced:
             part.reshape(asked.batches, of_batch, -1)[:, self._scene.points.pixels] for part in parts
         )
         return sky.reshape(*sky.shape[:2], 2, -1), of_suns, across[..., 0]
-
-
-def _see_as_melanopsin(scene: Path) -> None:
-    """Changes the responses of a compiled scene: daylight of 1 lx and D65 reads 1 (CIE S 026/E:2018)."""
-    message = scene_pb2.CompiledScene.FromString(scene.read_bytes())
-    wavelengths = published.visible_wavelengths()
-    action = published.alpha_opic_spectra()[:, published.ALPHA_OPIC.index("melanopic")]
-    curve = np.interp(wavelengths, published.colour_wavelengths(), action, left=0.0, right=0.0)
-    daylight = np.interp(wavelengths, *published.illuminant("D65"))
-    seen = response()[:, 1]
-    curve = curve * (seen @ daylight) / (curve @ daylight)
-    for of_sensor in (message.sensor.response_x, message.sensor.response_y, message.sensor.response_z):
-        of_sensor[:] = curve.tolist()
-    scene.write_bytes(message.SerializeToString(deterministic=True))
-
-
-def _ends(samples: int) -> Iterator[int]:
-    """Suns have a sample of each batch; then the number doubles."""
-    yield 1
-    end = 32
-    while end < samples:
-        yield end
-        end *= 2
-    if samples > 1:
-        yield samples
 
 
 def _joined(vector: Floats) -> str:

@@ -1,10 +1,15 @@
-"""`nocturne restore`: a data folder of this machine is put in order, and the findings are reported."""
+"""`nocturne restore`: a data folder of this machine is put in order, and the findings are reported. `nocturne
+database`: a new one has its database on a server."""
 
 from pathlib import Path
 from typing import Any
 
+from nocturne_coordinator.store.database import DatabaseTrouble
+from nocturne_coordinator.store.databases import put_on_server
+from nocturne_coordinator.store.privacy import make_private
 from nocturne_coordinator.store.restoring import Restored, restore
 
+from nocturne_client.errors import NocturneClientError
 from nocturne_client.local.data import default_data_folder
 from nocturne_client.local.failures import client_errors
 from nocturne_client.local.up import only_one_service
@@ -18,6 +23,21 @@ def restore_folder(data: Path | None, source: Path | None) -> Restored:
             return restore(data, source)
         with only_one_service(data):
             return restore(data, source)
+
+
+def database_on_server(data: Path | None, server: str) -> Path:
+    """Gives the folder. NocturneClientError where the server does not answer or refuses, or the folder has
+    another database."""
+    data = data or default_data_folder()
+    try:
+        with client_errors(f"{data} can't be used"):
+            data.mkdir(mode=0o700, parents=True, exist_ok=True)
+            make_private(data)
+            with only_one_service(data):
+                put_on_server(data, server)
+    except DatabaseTrouble as trouble:
+        raise NocturneClientError(f"{server}: {trouble}") from trouble
+    return data
 
 
 def as_json(found: Restored) -> dict[str, Any]:

@@ -1,4 +1,6 @@
 /** Photometry of renders, by the service. */
+import type { Words } from "../measure/result.ts";
+import type { Year } from "../measure/year.ts";
 import { getJson, renderAddress } from "./client.ts";
 import type { Glare, Isolines, MeasuredRegions, Measurements, Outline } from "./types.ts";
 
@@ -21,4 +23,15 @@ export async function getIsolines(id: string, levels: readonly number[]): Promis
 /** Of a panorama; others are refused. */
 export async function getGlare(id: string): Promise<Glare> {
   return getJson<"get_glare">(`${renderAddress(id)}/glare`);
+}
+
+/** A year of daylight, of the group that a render of daylight coefficients is in. */
+export async function getYear(id: string, query: string): Promise<Year> {
+  // The description has no more than that it is JSON, as the command line writes it.
+  return (await getJson<"get_annual">(`${renderAddress(id)}/annual.json?${query}`)) as unknown as Year;
+}
+
+/** What a report says of the light; takes seconds. */
+export async function getReportWords(id: string, query: string): Promise<Words> {
+  return (await getJson<"get_report_words">(`${renderAddress(id)}/report.json?${query}`)) as unknown as Words;
 }

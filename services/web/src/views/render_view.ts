@@ -10,9 +10,11 @@ import { type RenderImage, renderImage } from "../viewer/render_image.ts";
 import { convergenceSection } from "./convergence_section.ts";
 import { denoisedSection } from "./denoised_section.ts";
 import { lookFirstButton } from "./look_first_button.ts";
+import { ResultSection } from "./result_section.ts";
 import { summaryPanel } from "./summary_panel.ts";
 import type { View } from "./view.ts";
 import { workersSection } from "./workers_section.ts";
+import { YearSection } from "./year_section.ts";
 
 export function renderView(id: string, renders: Renders): View {
   const panel = summaryPanel(id, renders);
@@ -27,14 +29,10 @@ export function renderView(id: string, renders: Renders): View {
   const convergence = convergenceSection(id);
   const denoised = denoisedSection(id);
   const workers = workersSection({ id, onTilesInProgress: (byTile) => image.viewer?.showWorkers(byTile) });
+  const results = [new ResultSection(id), new YearSection(id)];
   const problem = element("p", { class: "problem", role: "alert" });
-  const content = element(
-    "div",
-    { class: "render" },
-    image.node,
-    panel.node,
-    element("div", { class: "below" }, convergence.node, workers.node, denoised.node),
-  );
+  const below = element("div", { class: "below" }, convergence.node, workers.node, denoised.node);
+  const content = element("div", { class: "render" }, ...results.map(({ node }) => node), image.node, panel.node, below);
   const links = linksOf(id);
   const node = element("div", {}, links, panel.heading, problem, content);
   const stop = [
@@ -46,6 +44,7 @@ export function renderView(id: string, renders: Renders): View {
       onChange: (render) => {
         setText(problem, "");
         panel.show(render);
+        for (const each of results) each.show(render);
         image.show(render);
         first.show(render);
         measuring.show(render);

@@ -16,13 +16,6 @@
 namespace nocturne {
 namespace {
 
-/// A ratio of photons from luminaires may be so many times worse than the best, to have more of
-/// them: in the larger pixels of a small film those from the sensor have more error than in the
-/// render, and the best ratio came out 1.5 times too low in 40 scenes (docs/decisions/0130).
-constexpr double kAboutAsGood = 1.1;
-/// Part of its samples with which a pilot tries sharing.
-constexpr double kForSharing = 1.0 / 3;
-
 class Pilot {
  public:
   Pilot(Scene& scene, const PilotRequest& request)

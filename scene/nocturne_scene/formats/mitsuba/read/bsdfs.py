@@ -6,14 +6,13 @@ One file, though long: a short function for each plugin, and their table.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import Any
+from copy import deepcopy
 
 import numpy as np
 
 from nocturne_scene.errors import InputError
 from nocturne_scene.formats.mitsuba.read import lobes, spectra, textures
-from nocturne_scene.formats.mitsuba.read.context import Context
+from nocturne_scene.formats.mitsuba.read.context import Bsdf, Context
 from nocturne_scene.formats.mitsuba.read.elements import Element, numbers
 from nocturne_scene.formats.mitsuba.read.principled import principled
 from nocturne_scene.formats.mitsuba.read.properties import Properties
@@ -58,14 +57,6 @@ _SAME_METAL = 0.01
 _THIN = 1.001
 
 
-@dataclass(frozen=True)
-class Bsdf:
-    """A kernel, and what changes the surface's shading normal (fields of a surface)."""
-
-    kernel: Json
-    normal_or_bump: dict[str, Any] = field(default_factory=dict)
-
-
 def front_only(kernel: Json) -> Json:
     """A kernel that is black from behind."""
     return {"type": "two_sided", "front": kernel, "back": BLACK}
@@ -84,7 +75,18 @@ def front_of(kernel: Json) -> Json:
 
 
 def bsdf(context: Context, element: Element) -> Bsdf:
-    """Return the material of an element; without a counterpart, grey and a loss."""
+    """Return the material of an element; without a counterpart, grey and a loss.
+
+    Each element becomes one material, however many shapes have it.
+    """
+    if element.number < 0:
+        return _made(context, element)
+    if element.number not in context.materials:
+        context.materials[element.number] = _made(context, element)
+    return deepcopy(context.materials[element.number])
+
+
+def _made(context: Context, element: Element) -> Bsdf:
     if element.type not in _BSDFS:
         context.findings.lost(
             element.place,

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from nocturne_scene.errors import InputError
 from nocturne_scene.formats.mitsuba.read.elements import Element
@@ -16,6 +17,14 @@ from nocturne_scene.formats.reading.scene_writer import Json, SceneWriter
 from nocturne_scene.meshes.triangles import Triangles
 
 
+@dataclass(frozen=True)
+class Bsdf:
+    """A kernel, and what changes the surface's shading normal (fields of a surface)."""
+
+    kernel: Json
+    normal_or_bump: dict[str, Any] = field(default_factory=dict)
+
+
 @dataclass
 class Context:
     """One import in progress."""
@@ -28,6 +37,8 @@ class Context:
     """Textures made so far, by the number of their element."""
     bsdfs: dict[str, str] = field(default_factory=dict)
     """Names of kernels made so far, by id."""
+    materials: dict[int, Bsdf] = field(default_factory=dict)
+    """Materials made so far, by the number of their element."""
     media: dict[int, list[str]] = field(default_factory=dict)
     """Names of media made so far, by the number of their element; empty where there is nothing."""
     enclosed: set[str] = field(default_factory=set)

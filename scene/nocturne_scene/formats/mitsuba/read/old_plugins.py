@@ -64,6 +64,12 @@ def _shape(old: Old) -> None:
     kinds = {old.kind(child) for child in old.element.children}
     if "medium" in kinds and not kinds & {"bsdf", "emitter", "subsurface"}:
         old.element.children.append(made("bsdf", old.element.place, type="null"))
+    if (angle := old.take("max_smooth_angle")) is not None:
+        # librender/trimesh.cpp, rebuildTopology: faces that meet at more than this have separate normals.
+        if numbers(angle.need("value"), angle.place, 1)[0] > 0:
+            old.note("normals of meshes with a maximum angle of smoothing are those of their files")
+        else:
+            old.set("boolean", "face_normals", "true")
     if old.element.type == "obj" and old.version < (0, 3):
         old.set("boolean", "flip_tex_coords", "false")
     for child in old.element.children:

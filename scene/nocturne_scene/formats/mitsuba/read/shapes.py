@@ -9,8 +9,8 @@ import numpy as np
 
 from nocturne_scene.errors import InputError
 from nocturne_scene.formats.mitsuba.read import attributes, textures
-from nocturne_scene.formats.mitsuba.read.bsdfs import Bsdf, bsdf, front_only
-from nocturne_scene.formats.mitsuba.read.context import Context
+from nocturne_scene.formats.mitsuba.read.bsdfs import bsdf, front_only
+from nocturne_scene.formats.mitsuba.read.context import Bsdf, Context
 from nocturne_scene.formats.mitsuba.read.elements import Element, numbers
 from nocturne_scene.formats.mitsuba.read.generated import GENERATED
 from nocturne_scene.formats.mitsuba.read.media import interior

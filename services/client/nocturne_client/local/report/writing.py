@@ -1,5 +1,6 @@
 """Reports as files, by the endings of their names."""
 
+import json
 from collections.abc import Callable
 from pathlib import Path
 
@@ -16,7 +17,7 @@ def writer(path: Path) -> _Writer:
     """Raises NocturneClientError where the ending is another one."""
     found = _WRITERS.get(path.suffix.lower())
     if found is None:
-        raise NocturneClientError(f"{path}: expected a name that ends in .pdf, .html, .svg or .png")
+        raise NocturneClientError(f"{path}: expected a name that ends in .pdf, .html, .json, .svg or .png")
     return found
 
 
@@ -44,7 +45,42 @@ def _pdf(report: Report) -> bytes:
     return pdf(report)
 
 
+def plain(report: Report) -> str:
+    """What it says, without drawings, as JSON: for programs that show it in their own way."""
+    said = {
+        "title": report.title,
+        "facts": report.facts,
+        "warnings": report.warnings,
+        "requirement": report.requirement,
+        "verdict": report.whole.verdict if report.whole is not None else "",
+        "says": report.verdict,
+        "checks": [
+            {
+                "what": each.what,
+                "limit": each.limit,
+                "found": each.found,
+                "says": each.says,
+                "verdict": each.verdict or "",
+            }
+            for each in report.checks
+        ],
+        "sections": [
+            {
+                "title": section.title,
+                "tables": [
+                    {"head": [*table.head], "rows": [[*row] for row in table.rows]}
+                    for table in section.tables
+                ],
+                "notes": section.notes,
+            }
+            for section in report.sections
+        ],
+    }
+    return json.dumps(said, indent=1, ensure_ascii=False) + "\n"
+
+
 _WRITERS: dict[str, _Writer] = {
+    ".json": lambda report: plain(report).encode(),
     ".pdf": _pdf,
     ".html": lambda report: html(report).encode(),
     ".svg": lambda report: svg(_plan(report)).encode(),
