@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from nocturne_scene.spectra import published
 from nocturne_scene.validation.documents import BLACK, quad, sphere, surface
 
 from tests.accuracy.meters import Measurement, Reading
@@ -65,6 +66,29 @@ def test_a_small_lamp(tmp_path: Path) -> None:
     for body, reading in zip(BODIES, found, strict=True):
         reading.check(across * known[body], 1e-4, len(BODIES))
         assert reading.error < 0.01 * across
+
+
+def test_photons_of_a_known_lamp(tmp_path: Path) -> None:
+    """PPFD of a white LED of known spectrum, 1000 lm, straight above: E over what its lumens are in umol/s,
+    sum(S l) / (h c N_A) from 400 to 700 nm over 683 sum(S V)."""
+    nm = published.visible_wavelengths()
+    power = np.interp(nm, *published.illuminant("LED-B3"))
+    luminous = 683.0 * float(power @ published.observer("CIE 1931 2 degree")[:, 1])
+    # Half of the end points' nanometre is inside.
+    inside = np.where((nm > 400) & (nm < 700), 1.0, np.where((nm == 400) | (nm == 700), 0.5, 0.0))
+    mole = 6.62607015e-34 * 299792458.0 * 6.02214076e23
+    of_a_lumen = float((power * nm * 1e-9) @ inside) / mole * 1e6 / luminous
+    lamp = {
+        "shape": sphere([0, 0, DISTANCE], 0.001),
+        "kernel": BLACK,
+        "luminaire": {"radiance": {"illuminant": "LED-B3"}, "lumens": LUMENS},
+    }
+    sensor = _meters({"name": "leaf", "points": [[0, 0, 0]], "normal": [0, 0, 1]}) | {"measures": "PAR"}
+    (found,) = _read({"sensor": sensor, "surfaces": [lamp]}, tmp_path, 4096)
+    found.check(LUMENS / (4.0 * pi * DISTANCE**2) * of_a_lumen, 1e-3)
+    # Of white LEDs 12 to 16 umol for a thousand lumens and second.
+    assert 0.012 < of_a_lumen < 0.018
+    assert found.error < 0.01 * found.mean
 
 
 def test_an_even_light(tmp_path: Path) -> None:

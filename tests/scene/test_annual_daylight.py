@@ -177,6 +177,22 @@ def test_intervals_of_a_threshold_hold() -> None:
     assert held >= 179
 
 
+def test_provision_of_daylight_is_of_half_the_year() -> None:
+    """EN 17037: half of 4380 hours, at any time of the day, with 300 lx and with 100 lx. Hours that count for
+    nothing else count here."""
+    lux = np.full((1, 2, 4000), 50.0)
+    lux[0, 0, :2190] = 300.0
+    lux[0, 1, :2189] = 300.0
+    lux[0, 1, 2189] = 100.0
+    counting = Counting(np.zeros(4000, dtype=bool), 3650)
+    figures = {name: counting.figures()[name] for name in metrics.PROVISION}
+    one = Illuminances(lux[0], np.zeros_like(lux[0]))
+    target, least = (figures[f"EN 17037 {name}"](one) for name in ("target", "minimum"))
+    assert target == pytest.approx([0.5, 2189 / 4380])
+    assert least == pytest.approx([0.5, 0.5])
+    assert [each >= metrics.PROVISION_HOURS for each in target] == [True, False]
+
+
 def test_glare_of_an_eye_by_its_illuminance() -> None:
     """Wienold 2007: DGPs = 6.22e-5 Ev + 0.184, so 0.35, 0.40 and 0.45 are 2669, 3473 and 4277 lx."""
     lux = np.array([2660.0, 2680.0, 3460.0, 3480.0, 4270.0, 4280.0])

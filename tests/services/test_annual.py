@@ -70,7 +70,15 @@ def test_a_year_of_a_room(tmp_path: Path) -> None:
     parts = sum(value["value"] for name, value in found["means"].items() if name.startswith("UDI"))
     assert parts == pytest.approx(1)
     assert found["sDA"]["low"] <= found["sDA"]["value"] <= found["sDA"]["high"]
-    assert [each["says"] for each in found["verdicts"]] == ["sDA >= 55%", "sDA >= 75%", "ASE <= 10%"]
+    assert [each["says"] for each in found["verdicts"]] == [
+        "sDA >= 55%",
+        "sDA >= 75%",
+        "ASE <= 10%",
+        "EN 17037 target: 300 lx over 50%",
+        "EN 17037 minimum: 100 lx over 95%",
+    ]
+    target, least = (found[f"EN 17037 {name}"] for name in ("target", "minimum"))
+    assert target["low"] <= target["value"] <= least["value"] <= least["high"]
     assert all(0 <= each["probability"] <= 1 for each in found["verdicts"])
     assert len(list(csv.reader(files["points.csv"].read_text().splitlines()))) == 5
     hours = list(csv.DictReader(files["hours.csv"].read_text().splitlines()))

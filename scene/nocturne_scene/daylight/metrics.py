@@ -7,7 +7,8 @@ others, "Daylighting, artificial lighting and non-visual effects study for a res
 Simplified daylight glare probability, of an eye that sees no Sun: J. Wienold, "Dynamic simulation of blind
 control strategies for visual comfort and energy balance analysis", Building Simulation 2007. Melanopic
 equivalent daylight illuminance by day of 250 lx or more at the eye: T. Brown and others, PLoS Biology 20
-(2022) e3001571.
+(2022) e3001571. Provision of daylight, by hours: EN 17037:2018, table A.1, least level: 300 lx over half of
+the area and 100 lx over 95 % of it, each in half of the daylight hours, which are half of the year.
 """
 
 from collections.abc import Callable, Iterator
@@ -23,6 +24,9 @@ from nocturne_scene.spectra.published import Floats
 SDA_HOURS = 0.5
 """Part of the hours at which a point has enough light by itself."""
 ASE_LUX, ASE_HOURS = 1000.0, 250.0
+PROVISION = {"EN 17037 target": (300.0, 0.50), "EN 17037 minimum": (100.0, 0.95)}
+"""lx, and over which part of the points."""
+PROVISION_HOURS, _DAYLIGHT_HOURS = 0.5, 4380.0
 _USEFUL = (100.0, 300.0, 3000.0)
 _GLARE_BY_LUX, _GLARE_IN_THE_DARK = 6.22e-5, 0.184
 """DGPs = first x vertical illuminance in lx + second (Wienold 2007)."""
@@ -100,6 +104,7 @@ class Counting:
             "hours above": lambda lit: np.count_nonzero(self._of(lit.whole) >= self.lux, axis=-1) * 1.0,
             "sun hours": lambda lit: np.count_nonzero(self._of(lit.sun) > ASE_LUX, axis=-1) * 1.0,
             "mean illuminance": lambda lit: self._of(lit.whole).sum(axis=-1) / self.hours,
+            **{name: self._provision(lux) for name, (lux, _) in PROVISION.items()},
             "lux hours of the year": lambda lit: lit.whole.sum(axis=-1),
         }
 
@@ -126,6 +131,11 @@ class Counting:
                 np.count_nonzero(self._of(lit.whole) >= enough, axis=-1) / self.hours
             ),
         }
+
+    def _provision(self, least: float) -> OfPoint:
+        """Part of the year's daylight hours, whatever the hours that count elsewhere; more than 1 where days
+        are brighter for longer."""
+        return lambda lit: np.count_nonzero(lit.whole >= least, axis=-1) / _DAYLIGHT_HOURS
 
     def _of(self, lux: Floats) -> Floats:
         return np.asarray(lux[..., self.occupied])

@@ -29,6 +29,7 @@ def as_json(found: YearOfLight) -> dict[str, Any]:
         **({} if found.blinds_closed is None else {"blinds closed": _number(found.blinds_closed)}),
         "sDA": {**_share(found.sda), "probabilities": [_number(each) for each in found.sda.probabilities]},
         "ASE": _share(found.ase),
+        **{name: _share(each) for name, each in found.provision.items()},
         "verdicts": [{"says": said, "probability": _number(chance)} for said, chance in found.verdicts()],
         "hourly": [float(f"{each:.4g}") for each in found.hourly.value],
         "means": {name: _estimate(each) for name, each in found.means.items()},

@@ -74,6 +74,8 @@ class YearOfLight:
     of_eyes: Mapping[str, Estimate]
     """Further figures, by eye."""
     eyes: NDArray[np.intp]
+    provision: Mapping[str, Share]
+    """By EN 17037, by name: the points with enough light in half of the daylight hours."""
     blinds_closed: float | None = None
     """Part of the hours that count; None: there are no blinds."""
 
@@ -83,7 +85,10 @@ class YearOfLight:
         count = len(self.room)
         # At most a tenth sunny: one more would be too many.
         too_many = (np.floor(ASE_VERDICT * count + 1e-9) + 1) / count
-        return [*said, (f"ASE <= {ASE_VERDICT:.0%}", 1.0 - self.ase.at_least(float(too_many)))]
+        said.append((f"ASE <= {ASE_VERDICT:.0%}", 1.0 - self.ase.at_least(float(too_many))))
+        for name, (lux, part) in metrics.PROVISION.items():
+            said.append((f"{name}: {lux:g} lx over {part:.0%}", self.provision[name].at_least(part)))
+        return said
 
 
 def counting_of(year: WeatherYear, skies: YearOfSkies, hours: Sequence[float], lux: float) -> Counting:
@@ -147,6 +152,10 @@ def measure(
         room=room,
         of_eyes=seen,
         eyes=of_eyes,
+        provision={
+            name: metrics.share_of_points(_of(by_point[name], room), metrics.PROVISION_HOURS)
+            for name in metrics.PROVISION
+        },
         blinds_closed=shut,
     )
 

@@ -67,7 +67,8 @@ def lines(found: YearOfLight) -> list[str]:
     said = [f"{found.year.name}: {found.hours} hours, {len(found.room)} points, 95 % intervals"]
     if found.blinds_closed is not None:
         said.append(f"blinds are closed in {found.blinds_closed:.1%} of the hours")
-    for name, share in (("sDA300,50%", found.sda), ("ASE1000,250h", found.ase)):
+    shares = {"sDA300,50%": found.sda, "ASE1000,250h": found.ase, **found.provision}
+    for name, share in shares.items():
         said.append(f"{name} {share.value:.1%} ({share.low:.1%} to {share.high:.1%}) of the points")
     said += [f"P({statement}) = {chance:.3f}" for statement, chance in found.verdicts()]
     said += [f"{name}: {_told(name, each)}" for name, each in found.means.items()]
