@@ -22,6 +22,8 @@ class Draft:
     """Whether mirrors and glass may be in it. Else lamps may be small: light of a small lamp that mirrors or
     glass gather is met by chance alone from the sensor, and no number of samples that a test can pay shows
     a method that is wrong."""
+    small_lamps: bool = False
+    """Whether a lamp is so small that photons which are not sent to it meet it seldom."""
     named: dict[str, dict[str, Any]] = field(default_factory=dict)
     under_meters: list[Document] = field(default_factory=list)
     """Surfaces on whose faces meters are."""

@@ -16,9 +16,14 @@ _LUMINANCE = 1000.0
 """Of lamps, cd/m2."""
 
 
+_SMALL = 0.1
+"""Radius of lamps, m, below which photons that are not sent to them meet them seldom (crossing 110879)."""
+
+
 def lamp(draft: Draft, centre: Point, radius: float) -> Document:
     """A surface that emits, within a ball."""
     chance = draft.chance
+    draft.small_lamps = draft.small_lamps or radius < _SMALL
     made = emitter(draft, luminaire(draft))
     if "asset" not in made["luminaire"].get("profile", {}):
         return placed(draft, centre, radius, closed=False, mapped=draft.is_mapped(made)) | made

@@ -114,7 +114,8 @@ def _whole(
     if draft.chance.maybe(0.2):
         _put_light_groups(draft, document)
     situations = frozenset(draft.situations)
-    return Scene(seed, document | draft.named, width, height, draft.sharp, alone, situations)
+    wide = draft.sharp and not draft.small_lamps
+    return Scene(seed, document | draft.named, width, height, wide, alone, situations)
 
 
 def _put_range(draft: Draft, document: Document) -> None:

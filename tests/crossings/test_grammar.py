@@ -19,6 +19,15 @@ LEFT_OUT = {
         [each for each in all_features() if each.startswith(("RayFile", "SceneDocument.ray_files"))],
         "one direction alone brings its light, so that there are no methods to compare",
     ),
+    # tests/accuracy/test_daylight_coefficients.py compares them with renders of the same sky.
+    **dict.fromkeys(
+        [
+            each
+            for each in all_features()
+            if each.startswith(("YearOfDaylight", "WeatherFile", "Meters.daylight"))
+        ],
+        "coefficients are counted beside an image under an even sky, by one method",
+    ),
 }
 
 
