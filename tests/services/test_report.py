@@ -154,7 +154,7 @@ def test_a_year_in_a_report(evening: Path, tmp_path: Path) -> None:
 def test_what_is_refused(evening: Path, tmp_path: Path) -> None:
     out = tmp_path / "report.html"
     for words, told in (
-        (["-o", "report.docx"], r"ends in \.pdf, \.html, \.svg or \.png"),
+        (["-o", "report.docx"], r"ends in \.pdf, \.html, \.json, \.svg or \.png"),
         (["-o", out, "--require", "lux=5"], "--require"),
         (["-o", out, "--task", "ceiling"], "expected one of working plane, faces"),
         (["-o", out, "--annual", OFFICE / "scene.json"], "expected a file of nocturne annual"),

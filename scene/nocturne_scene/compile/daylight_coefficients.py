@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import OpenEXR
+import OpenImageIO as oiio  # noqa: N813 - the name in its documentation
 from nocturne.v1 import scene_pb2
 from numpy.typing import NDArray
 
@@ -151,9 +151,11 @@ def sunny_sky(picture: Path, patches: Patches, sunny: NDArray[np.intp]) -> None:
     # Patches are lit up to their edges, where texels are means.
     for axis in (0, 1):
         lit |= np.roll(lit, 1, axis) | np.roll(lit, -1, axis)
-    plane = lit.astype(np.float32)
-    with OpenEXR.File({}, {"RGB": np.stack([plane] * 3, axis=-1)}) as file:
-        file.write(str(picture))
+    pixels = np.repeat(lit[..., None], 3, axis=-1).astype(np.float32)
+    written = oiio.ImageBuf(oiio.ImageSpec(columns, rows, 3, oiio.FLOAT))
+    written.set_pixels(written.roi, pixels)
+    if not written.write(str(picture)):
+        raise OSError(f"{picture} can't be written: {written.geterror()}")
 
 
 def sunny_environment(sha256: str, up: Floats, north: Floats) -> dict[str, Any]:

@@ -38,9 +38,37 @@ float survival_of_many(const Group<N>& group) {
                   after(Options::kManyBounces, group.depth - group.collisions));
 }
 
-/// Of a photon that may have been sent to lights, where it meets a surface that has a delta lobe:
-/// by the weight it has lost since. One that is totally reflected within glass again and again ends
-/// when its medium has absorbed or scattered most of it, or by the number of its reflections.
+/// The paper's survival probability is H h. Times the weight that the photon carries, light photons
+/// die and heavy ones stay (docs/decisions/0004-roulette-by-weight.md). One probability for the
+/// group: it stays together as long as one of them is worth it. A photon that was drawn from a
+/// mixture towards a small light weighs little and may bring much: where it may pass on its way,
+/// what it has lost since it was drawn counts.
+template <class Batch, int N, class Kernel>
+float survival_at(const Batch& batch, Group<N>& group, const Vertex<N>& vertex,
+                  const Kernel& kernel) {
+  const TracingOptions& options = batch.options;
+  float survival = 1.0f;
+  if (group.depth > options.roulette_after) {
+    Spectral<N> albedo = kernel.albedo(vertex.wo);
+    count_caught(group, kernel, albedo);
+    if (batch.kAdjoint && !group.inside.empty()) albedo *= square_of_index(batch, group);
+    const bool from_mixture = batch.kAdjoint && options.estimator != Estimator::kTwoPhotons;
+    const bool passes = from_mixture && batch.scene.materials[vertex.hit.surface].has_delta_lobe;
+    const float h = options.h / (passes ? std::min(1.0f, group.mis.worth) : 1.0f);
+    survival = std::min(1.0f, options.roulette_by_weight
+                                  ? h * largest(albedo * group.weight)
+                                  : options.h * largest(only(albedo, alive(group.weight))));
+  }
+  survival = std::min(survival, survival_of_many(group));
+  if (batch.scene.all_in_fog) {
+    survival = std::min(survival, distance_roulette(batch, group, vertex.hit.position));
+  }
+  return survival;
+}
+
+/// Of a photon that was sent to lights, where it meets a surface that has a delta lobe: by the
+/// weight it has lost since. One that is totally reflected within glass again and again ends when
+/// its medium has absorbed or scattered most of it, or by the number of its reflections.
 template <class Batch, int N, class Kernel>
 float survival_of_passing(const Batch& batch, Group<N>& group, const Vertex<N>& vertex,
                           const Kernel& kernel) {
@@ -48,35 +76,6 @@ float survival_of_passing(const Batch& batch, Group<N>& group, const Vertex<N>& 
   const float left = largest(albedo * group.weight * square_of_index(batch, group));
   count_caught(group, kernel, albedo);
   return std::min({survival_of_many(group), largest(albedo), left / group.mis.worth});
-}
-
-/// The paper's survival probability is H h. Times the weight that the photon carries, light photons
-/// die and heavy ones stay (docs/decisions/0004-roulette-by-weight.md). One probability for the
-/// group: it stays together as long as one of them is worth it. A photon that was drawn from a
-/// mixture towards a small light weighs little and may bring much: nothing ends it for that weight
-/// before it has met the light.
-template <class Batch, int N, class Kernel>
-float survival_at(const Batch& batch, Group<N>& group, const Vertex<N>& vertex,
-                  const Kernel& kernel) {
-  const TracingOptions& options = batch.options;
-  float survival = 1.0f;
-  const bool from_mixture = batch.kAdjoint && options.estimator != Estimator::kTwoPhotons;
-  if (from_mixture && options.roulette_by_weight && group.depth > options.roulette_after &&
-      batch.scene.materials[vertex.hit.surface].has_delta_lobe) {
-    survival = survival_of_passing(batch, group, vertex, kernel);
-  } else if (group.depth > options.roulette_after) {
-    Spectral<N> albedo = kernel.albedo(vertex.wo);
-    count_caught(group, kernel, albedo);
-    if (batch.kAdjoint && !group.inside.empty()) albedo *= square_of_index(batch, group);
-    survival = std::min(
-        1.0f, options.h * largest(options.roulette_by_weight ? albedo * group.weight
-                                                             : only(albedo, alive(group.weight))));
-  }
-  survival = std::min(survival, survival_of_many(group));
-  if (batch.scene.all_in_fog) {
-    survival = std::min(survival, distance_roulette(batch, group, vertex.hit.position));
-  }
-  return survival;
 }
 
 }  // namespace nocturne
