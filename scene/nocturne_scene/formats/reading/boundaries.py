@@ -8,7 +8,6 @@ above a tank) each surface becomes a boundary between its two indices.
 import json
 from collections.abc import Iterator
 from copy import deepcopy
-from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,20 +34,14 @@ def between_indices(writer: SceneWriter, findings: Findings) -> None:
     for surface, _ in glass:
         if "interior" in surface:
             _make_body(document, surface, findings)
-    overlapping = {
-        id(surface)
-        for one, other in combinations(glass, 2)
-        if _overlap(one[1], other[1])
-        for surface in (one[0], other[0])
-    }
-    bodies = {
-        json.dumps(surface["kernel"])
-        for surface, _ in glass
-        if id(surface) not in overlapping or "interior" in surface
-    }
-    for surface, _ in glass:
-        if id(surface) not in overlapping or "interior" in surface:
-            continue
+    bounding_nothing = [
+        surface
+        for (surface, _), overlaps in zip(glass, _overlapping([box for _, box in glass]), strict=True)
+        if overlaps and "interior" not in surface
+    ]
+    unchanged = {id(surface) for surface, _ in glass} - {id(surface) for surface in bounding_nothing}
+    bodies = {json.dumps(surface["kernel"]) for surface, _ in glass if id(surface) in unchanged}
+    for surface in bounding_nothing:
         kernel = surface["kernel"]
         if isinstance(kernel, str) and json.dumps(kernel) not in bodies:
             document["kernels"][kernel] = _bounding_nothing(document, document["kernels"][kernel])
@@ -83,8 +76,12 @@ def _box(writer: SceneWriter, surface: Json, in_scene: bool) -> _Box:
     return writer.boxes.get(shape.get("asset", ""), _EVERYWHERE)
 
 
-def _overlap(one: _Box, other: _Box) -> bool:
-    return bool(np.all(one[0] <= other[1]) and np.all(other[0] <= one[1]))
+def _overlapping(boxes: list[_Box]) -> list[bool]:
+    """Of each box whether it meets another one; a scene may have thousands."""
+    corners = np.array(boxes).reshape(-1, 2, 3)
+    low, high = corners[:, 0], corners[:, 1]
+    # Each meets itself.
+    return [int(np.count_nonzero(np.all((low <= box[1]) & (box[0] <= high), axis=1))) > 1 for box in corners]
 
 
 def _resolved(document: Json, kernel: Json) -> Json:
