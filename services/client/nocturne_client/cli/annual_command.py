@@ -9,6 +9,7 @@ import typer
 from nocturne_client.cli.local_commands import Threads
 from nocturne_client.cli.output import AsJson, print_json
 from nocturne_client.cli.scene_options import ScenePath, Settings, changes_of
+from nocturne_client.cli.year_options import CountedHours, EnoughLux, GroundReflectance
 from nocturne_client.console import CONSOLE, ERRORS
 from nocturne_client.errors import NocturneClientError
 
@@ -60,22 +61,15 @@ def annual(
             help="Stop when verdicts about sDA hold or fail with this probability.",
         ),
     ] = 0.99,
-    lux: Annotated[
-        float, typer.Option("--lux", min=0.001, help="Illuminance that counts as enough, lx.")
-    ] = 300.0,
-    hours: Annotated[
-        tuple[float, float],
-        typer.Option("--hours", help="Hours of the day in which light counts, from and to."),
-    ] = (8.0, 18.0),
+    lux: EnoughLux = 300.0,
+    hours: CountedHours = (8.0, 18.0),
     north: Annotated[
         str,
         typer.Option(
             "--north", metavar="X,Y,Z", help="Direction of north. Default: that of the scene's sky, or -z."
         ),
     ] = "",
-    ground: Annotated[
-        float, typer.Option("--ground", min=0, max=1, help="Reflectance of the ground beyond the scene.")
-    ] = 0.2,
+    ground: GroundReflectance = 0.2,
     blinds: Annotated[
         Path | None,
         typer.Option(

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from nocturne_client.cli.output import AsJson, Url
+from nocturne_client.cli.year_options import CountedHours, EnoughLux, GroundReflectance
 from nocturne_client.client import Client
 from nocturne_client.console import CONSOLE
 from nocturne_client.errors import NocturneClientError
@@ -36,16 +37,9 @@ def year(
     output: Annotated[
         Path | None, typer.Option("--output", "-o", metavar="OUT.json", help="All figures.")
     ] = None,
-    lux: Annotated[
-        float, typer.Option("--lux", min=0.001, help="Illuminance that counts as enough, lx.")
-    ] = 300.0,
-    hours: Annotated[
-        tuple[float, float],
-        typer.Option("--hours", help="Hours of the day in which light counts, from and to."),
-    ] = (8.0, 18.0),
-    ground: Annotated[
-        float, typer.Option("--ground", min=0, max=1, help="Reflectance of the ground beyond the scene.")
-    ] = 0.2,
+    lux: EnoughLux = 300.0,
+    hours: CountedHours = (8.0, 18.0),
+    ground: GroundReflectance = 0.2,
     eye: Annotated[
         list[str] | None,
         typer.Option("--eye", metavar="NAME", help="An instrument at an eye: simplified DGP."),
