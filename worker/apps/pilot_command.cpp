@@ -14,6 +14,7 @@
 #include "tracer/learning/learn_visible_sky.h"
 #include "tracer/pilot/pilot.h"
 #include "tracer/pilot/pilot_budget.h"
+#include "tracer/pilot/sky_trial.h"
 
 namespace nocturne {
 namespace {
@@ -139,8 +140,14 @@ void run_pilot_command(const PilotCommand& command, v1::CompiledScene message,
     const double samples = std::min(kSkyLearnedFrom * samples_of(plan), kMaxSkyLearnedFrom);
     sky = learn_visible_sky(*scene, plan.film, samples, command.threads);
   }
-  const std::string visible_sky = VisibleSky::packed(sky.sightings);
-  scene->lights.set_visible_sky(VisibleSky(VisibleSky::unpacked(visible_sky)));
+  std::string visible_sky = VisibleSky::packed(sky.sightings);
+  if (!visible_sky.empty()) {
+    const SkyTrial trial =
+        try_visible_sky(*scene, VisibleSky(VisibleSky::unpacked(visible_sky)), plan.film,
+                        static_cast<double>(sky.samples), command.threads);
+    sky.samples += trial.samples;
+    if (!trial.pays) visible_sky.clear();
+  }
   const PilotResult found = run_pilot(
       *scene,
       {.film = plan.film,
