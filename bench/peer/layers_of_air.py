@@ -1,10 +1,10 @@
-"""Stokes vectors of random layers of air by sasktran2, in an environment of its own:
+"""Stokes vectors of random layers of air by sasktran2, in a separate environment:
 
     python -m venv E; E/bin/pip install sasktran2; E/bin/python bench/peer/layers_of_air.py
 
-Prints the rows that `scene/nocturne_scene/validation/polarisation.json` has as `layers`, with I, Q and U for an
-irradiance of 1, and last by how much of I these change between 40 and 64 streams (2e-5 at most). For a layer
-of optical depth 0.5 above a black ground it gives the corrected Coulson tables to 8 digits.
+Prints the rows that `scene/nocturne_scene/validation/polarisation.json` has as `layers`, with I, Q and U for
+an irradiance of 1, and last by how much of I these change between 40 and 64 streams (2e-5 at most). For a
+layer of optical depth 0.5 above a black ground it gives the corrected Coulson tables to 8 digits.
 """
 
 import json

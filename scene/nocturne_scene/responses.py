@@ -24,7 +24,7 @@ STOKES = ("S1", "S2", "S3")
 
 POLARISERS = {"polariser0": 0.0, "polariser22": 22.5, "polariser45": 45.0}
 """Layers of the light behind an ideal polariser, by its angle from the sensor's right in degrees: half of
-S0 + S1 cos 2 angle + S2 sin 2 angle. Their errors tell how those of S0, S1 and S2 go together in a pixel."""
+S0 + S1 cos 2 angle + S2 sin 2 angle. Their variances have the covariances of S0, S1 and S2 in a pixel."""
 
 _POLARISED = (*STOKES, *POLARISERS)
 

@@ -1,6 +1,7 @@
 """Means and their errors, of pixels and of regions, in X, Y, Z, chromaticity and further responses.
 
 The one formula of API, command line, page and comparisons; docs/explanation/units-and-errors.md explains it.
+Long: pixels and regions share it.
 """
 
 import math
@@ -203,8 +204,8 @@ class RegionReading:
     """Of the errors of all values, shape (values, values), as far as tiles tell; None where they are not
     known."""
     own_variance: tuple[float, ...] = ()
-    """Of the means, by what pixels' samples alone say: that of sums and differences of responses tells how
-    their errors go together in these very pixels. Empty where it is not known."""
+    """Of the means, by the pixels' samples alone: those of sums of responses have the covariances of these
+    very pixels. Empty where it is not known."""
 
 
 class RegionSums:

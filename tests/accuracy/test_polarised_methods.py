@@ -40,7 +40,7 @@ def _room() -> dict[str, Any]:
 
 
 def _of(folder: Path, name: str) -> Any:
-    """An image's channel in the place of Y, with the error of its own samples."""
+    """An image's channel in the place of Y, with the error by its samples alone."""
     picture = read_picture(folder / "image.exr")
     assert picture.moments is not None
     place = picture.names.index(name)

@@ -74,8 +74,8 @@ def _pixels(random: np.random.Generator, samples: int, edge: int) -> NDArray[np.
 
 
 def test_pixels_know_how_their_own_stokes_parameters_go_together() -> None:
-    """What is polarised alike in every sample is known without error, and its neighbours do not change that;
-    where S1 and S0 know nothing of each other the interval holds."""
+    """Light that is polarised alike in every sample is known without error, and its neighbours do not change
+    that; where S1 and S0 know nothing of each other the interval holds."""
     samples, edge, runs = 256, 8, 60
     random = np.random.default_rng(4)
     names, held, chosen = [*_SEEN], [], np.zeros((edge, edge), dtype=bool)
@@ -106,7 +106,7 @@ def test_pixels_know_how_their_own_stokes_parameters_go_together() -> None:
 
 
 def test_noise_of_unpolarised_light_is_not_taken_for_rare_light() -> None:
-    """Of samples that all are lit, S1 of either sign has the error of its own samples."""
+    """Of samples that all are lit, S1 of either sign has the error by its samples alone."""
     samples, edge = 256, 8
     values = np.zeros((samples, edge, edge, len(_SEEN)))
     values[..., :3] = 1.0

@@ -240,15 +240,13 @@ class LinearPolarisation:
     """How the mean light is polarised."""
 
     degree: float
-    """Of linear polarisation, in [0, 1]: sqrt(S1^2 + S2^2) / S0 less what noise adds."""
+    """Of linear polarisation, in [0, 1]: sqrt(S1^2 + S2^2) / S0 less the noise."""
     degree_interval: list[float]
     """Low and high end of the 95 % interval; empty where errors are not known."""
     angle_degrees: float
     """From the sensor's right towards up, in [0, 180)."""
     angle_error: float | None
-    """Half of the 95 % interval, degrees; 90: nothing is known of the angle; null where errors are not
-    known.
-    """
+    """Half of the 95 % interval, degrees; 90: nothing is known of it; null where errors are not known."""
 
 
 @dataclass(frozen=True)

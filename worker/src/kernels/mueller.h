@@ -48,7 +48,7 @@ struct Mueller {
   }
 
   /// The face of a dielectric without layers, by Fresnel's amplitudes (fresnel.h); `ratio`: index
-  /// beyond over index on the side of the light. Of what is transmitted only the ratio of both
+  /// beyond over index on the side of the light. Of transmitted amplitudes only their ratio
   /// counts.
   void set_face(std::size_t photon, float cosine, float ratio, bool reflects) {
     const float contrast = (ratio - 1.0f) * (ratio + 1.0f), square = ratio * ratio;

@@ -112,15 +112,15 @@ class LinearPolarisation(Answer):
     """How the mean light is polarised."""
 
     degree: float = Field(
-        description="Of linear polarisation, in [0, 1]: sqrt(S1^2 + S2^2) / S0 less what noise adds."
+        description="Of linear polarisation, in [0, 1]: sqrt(S1^2 + S2^2) / S0 less the noise."
     )
     degree_interval: list[float] = Field(
         description="Low and high end of the 95 % interval; empty where errors are not known."
     )
     angle_degrees: float = Field(description="From the sensor's right towards up, in [0, 180).")
     angle_error: float | None = Field(
-        description="Half of the 95 % interval, degrees; 90: nothing is known of the angle; null where errors "
-        "are not known."
+        description="Half of the 95 % interval, degrees; 90: nothing is known of it; null where errors are "
+        "not known."
     )
 
 

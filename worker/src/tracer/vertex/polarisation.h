@@ -51,7 +51,7 @@ struct Polarisation {
   Vec3 reference;
   /// Which of the batch's flights is the photon's.
   std::uint32_t flight = 0;
-  /// Light was depolarised on its way: all columns but the first are zero, in any direction.
+  /// Light was depolarised in between: all columns but the first are zero, in any direction.
   bool depolarised = false;
 
   /// At the sensor, with the direction that its S1 refers to.
