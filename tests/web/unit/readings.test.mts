@@ -39,7 +39,7 @@ test("every quantity has the error that the service tells", () => {
 test("polarised light has degree and angle, with what is known of their errors", () => {
   const polarised = (more: object): string | undefined => rows(film, {
     ...told, linear_polarisation: { degree: 0.31234, degree_interval: [0.3, 0.325], angle_degrees: 87.25, angle_error: 0.42, ...more },
-  } as RegionReading, true).Polarised;
+  }, true).Polarised;
   assert.equal(polarised({}), "0.312 (0.300 to 0.325), at 87.3° ± 0.42°");
   assert.equal(polarised({ degree_interval: [], angle_error: null }), "0.312, at 87.3°");
   assert.equal(rows(film, told, true).Polarised, undefined);
