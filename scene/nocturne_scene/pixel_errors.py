@@ -1,5 +1,7 @@
 """Variances of pixels' means, from their sums; docs/explanation/units-and-errors.md explains them."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from nocturne_scene.tile_sums import BLOCK, Counts, Values, block_sums
@@ -23,23 +25,28 @@ def covariance_of_means(products: Values, a: Values, b: Values, counts: Values |
     return found
 
 
-def one_more_find(mean: Values, variance: Values, counts: Counts) -> Values:
+def one_more_find(
+    mean: Values, variance: Values, counts: Counts, light: Sequence[int] | None = None
+) -> Values:
     """The addition to the variance of a pixel's mean, or of a region's sum, for light that its samples
     missed; shapes (height, width, ...), `counts` (height, width).
 
     Light that few samples find is unknown where none found it, and too well known where two found as much.
     So each error has the variance that one more lit sample would bring: that of the pixel's block, over the
     number of its lit samples: its samples weighed by their values, (sum of |x|)^2 / sum of x^2 (Kish's
-    effective sample size), at least 1. A pixel with many lit samples needs the block's so much less.
+    effective sample size), at least 1. A pixel with many lit samples needs the block's so much less. Stokes
+    parameters may be of either sign, so samples are lit as in S0: `light` says of each value in whose.
     """
     n = np.maximum(counts, 2).astype(np.float64)
     n = n.reshape(n.shape + (1,) * (mean.ndim - 2))
     squares = mean * mean
     of_block = block_sums(variance)
-    one_more = of_block / _finds(n[::BLOCK, ::BLOCK], block_sums(np.abs(mean)), of_block, block_sums(squares))
+    finds_of_block = _finds(n[::BLOCK, ::BLOCK], block_sums(np.abs(mean)), of_block, block_sums(squares))
+    one_more = of_block / (finds_of_block if light is None else finds_of_block[..., [*light]])
     height, width = counts.shape
     found: Values = one_more.repeat(BLOCK, axis=0)[:height].repeat(BLOCK, axis=1)[:, :width]
-    found /= _finds(n, mean, variance, squares)
+    finds = _finds(n, mean, variance, squares)
+    found /= finds if light is None else finds[..., [*light]]
     found[counts < 2] = 0.0
     return found
 

@@ -22,11 +22,17 @@ REST = "rest"
 STOKES = ("S1", "S2", "S3")
 """Layers of the Stokes vector's other elements, of X, Y, Z and of each further response; S0 is the light."""
 
+POLARISERS = {"polariser0": 0.0, "polariser22": 22.5, "polariser45": 45.0}
+"""Layers of the light behind an ideal polariser, by its angle from the sensor's right in degrees: half of
+S0 + S1 cos 2 angle + S2 sin 2 angle. Their variances have the covariances of S0, S1 and S2 in a pixel."""
+
+_POLARISED = (*STOKES, *POLARISERS)
+
 TAKEN_LAYERS = frozenset(
     {
         REST,
         *LIGHT_PARTS,
-        *STOKES,
+        *_POLARISED,
         *_TAKEN,
         "albedo",
         "N",
@@ -54,13 +60,24 @@ def group_channels(group: str) -> tuple[str, str, str]:
 
 
 def stokes_channel(layer: str, name: str) -> str:
-    """The channel of S1, S2 or S3 next to one of S0: as spectral EXR files have it, where that is a band."""
+    """The channel of another layer next to one of S0: as spectral EXR files have it, where that is a band."""
     return f"{layer}.{name.removeprefix('S0.')}"
 
 
 def is_signed(name: str) -> bool:
-    """Whether a further response may be negative: it counts polarised light."""
-    return name.partition(".")[0] in STOKES
+    """Whether a further response may be negative: of polarised light, by rounding also behind polarisers."""
+    return name.partition(".")[0] in _POLARISED
+
+
+def light_of(names: Sequence[str]) -> list[int]:
+    """Of each value, the place of the one that counts the same light whatever its polarisation: S0 of Stokes
+    channels, itself of all others."""
+    places = {stokes_channel("S0", name): place for place, name in enumerate(names) if not is_signed(name)}
+
+    def of(place: int, name: str) -> int:
+        return places.get("S0." + name.partition(".")[2], place) if is_signed(name) else place
+
+    return [of(place, name) for place, name in enumerate(names)]
 
 
 def counts_light_groups(name: str) -> bool:
@@ -71,7 +88,7 @@ def counts_light_groups(name: str) -> bool:
 def light_groups_in(names: Sequence[str]) -> list[str]:
     """The light groups that further responses tell apart, in order; none: they tell none."""
     found = (name.rpartition(".") for name in names if counts_light_groups(name))
-    return [group for group, _, axis in found if axis == "Y" and group not in (*LIGHT_PARTS, *STOKES)]
+    return [group for group, _, axis in found if axis == "Y" and group not in (*LIGHT_PARTS, *_POLARISED)]
 
 
 def name_problems(names: Sequence[str]) -> Iterator[str]:

@@ -1,9 +1,11 @@
 """Means and their errors, of pixels and of regions, in X, Y, Z, chromaticity and further responses.
 
 The one formula of API, command line, page and comparisons; docs/explanation/units-and-errors.md explains it.
+Long: pixels and regions share it.
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +13,7 @@ from numpy.typing import NDArray
 
 from nocturne_scene.pixel_errors import covariance_of_means, one_more_find, variance_of_mean
 from nocturne_scene.response_correlations import correlations_of_tiles, matrix
+from nocturne_scene.responses import is_signed, light_of
 from nocturne_scene.tile_sums import (
     BLOCK,
     PAIR_FIRST,
@@ -63,11 +66,17 @@ class ImageMoments:
 
 
 def moments_of(
-    sums: Values, counts: Counts, block_products: Values, tile_products: Values, tile_size: int
+    sums: Values,
+    counts: Counts,
+    block_products: Values,
+    tile_products: Values,
+    tile_size: int,
+    further_responses: Sequence[str] = (),
 ) -> ImageMoments:
     """From sums as `nocturne_scene.tile_sums` has them, of whole tiles whose pixels have as many samples.
 
-    Products have the shapes (blocks down, blocks across, 6) and (tiles down, tiles across, 6 or more).
+    Products have the shapes (blocks down, blocks across, 6) and (tiles down, tiles across, 6 or more). Names
+    of further responses are needed where some are Stokes parameters.
     """
     further = (sums.shape[-1] - XYZ_SUMS) // 2
     n = counts[..., None]
@@ -82,10 +91,12 @@ def moments_of(
     has_products = tile_products.shape[-1] > PRODUCTS
     together = correlations_of_tiles(of_tiles, tile_products, of_tile_samples) if has_products else None
     variance = variance_of_mean(sums[..., values], sums[..., squares], n)
+    names = ["X", "Y", "Z", *further_responses]
+    light = light_of(names) if any(map(is_signed, further_responses)) else None
     return ImageMoments(
         mean,
         variance,
-        one_more_find(mean, variance, counts),
+        one_more_find(mean, variance, counts, light),
         covariance_of_means(sums[..., PIXEL_PAIRS], sums[..., PAIR_FIRST], sums[..., PAIR_SECOND], n),
         of_blocks,
         variance_of_mean(
@@ -190,7 +201,11 @@ class RegionReading:
     samples_per_pixel: tuple[int, int]
     """Fewest and most."""
     correlations: Values | None = None
-    """Of the errors of all values, shape (values, values); None where they are not known."""
+    """Of the errors of all values, shape (values, values), as far as tiles tell; None where they are not
+    known."""
+    own_variance: tuple[float, ...] = ()
+    """Of the means, by the pixels' samples alone: those of sums of responses have the covariances of these
+    very pixels. Empty where it is not known."""
 
 
 class RegionSums:
@@ -291,6 +306,7 @@ class RegionSums:
             self._samples,
             (self._fewest, self._most),
             self._whole_correlations() if known else None,
+            tuple(map(float, self._variance / n**2)) if known else (),
         )
 
     def _coverage_factor(self) -> float:

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 from nocturne_client import contract
-from nocturne_client.local.measuring import polarisation_of_file
+from nocturne_client.local.measuring import measure_file
 from nocturne_scene.validation.documents import BLACK, GREY, along, box, quad, slab, sun, surface
 
 from tests.accuracy.meters import Measurement
@@ -290,7 +290,8 @@ def test_a_part_of_an_image_tells_degree_and_angle(tmp_path: Path) -> None:
     expected = (across - within) / (across + within)
     Measurement(_on_floor(40, _GLASS, below=_PIT), tmp_path, 8, 8).image(64)
     whole = contract.Outline(name="", kind="rectangle", points=[[0.0, 0.0], [8.0, 8.0]])
-    (found,) = polarisation_of_file(tmp_path / "image.exr", [whole], "grey")
+    (measured,) = measure_file(tmp_path / "image.exr", [whole], "grey", 0).measurements
+    found = measured.linear_polarisation
     assert found is not None
     low, high = found.degree_interval
     assert low <= expected <= high

@@ -5,8 +5,10 @@ import math
 import numpy as np
 import pytest
 from nocturne_scene.photometry.polarisation import LinearPolarisation, polarisation_of
-from nocturne_scene.uncertainty import RegionReading
+from nocturne_scene.uncertainty import RegionReading, moments_of, read_region
 from numpy.typing import NDArray
+
+from tests.sums import sums_of
 
 _NAMES = ["X", "Y", "Z", "S1.Y", "S2.Y"]
 
@@ -47,6 +49,76 @@ def test_intervals_hold_and_the_mean_is_not_too_large(degree: float) -> None:
     too_large = np.mean([each.degree for each in found]) - degree
     naive = np.mean(np.hypot(drawn[:, 1], drawn[:, 2]) / drawn[:, 0]) - degree
     assert abs(too_large) < (0.004 if degree >= 0.1 else 0.85 * naive)
+
+
+def _told(reading: RegionReading | None, names: list[str]) -> LinearPolarisation:
+    assert reading is not None
+    found = polarisation_of(reading, names)
+    assert found is not None
+    return found
+
+
+_SEEN = ["X", "Y", "Z", "S1.Y", "S2.Y", "S3.Y", "polariser0.Y", "polariser22.Y", "polariser45.Y"]
+
+
+def _pixels(random: np.random.Generator, samples: int, edge: int) -> NDArray[np.float64]:
+    """Samples of a tile: on its left, light that varies and is polarised by 0.3 in every sample; on its
+    right, light that varies as much, with S1 that knows nothing of it."""
+    light = random.gamma(4.0, 0.25, (samples, edge, edge))
+    one = 0.3 * light
+    one[:, :, edge // 2 :] = 0.3 + 0.15 * (random.random((samples, edge, edge // 2)) - 0.5)
+    two = 0.4 * light
+    twice = np.radians([0.0, 45.0, 90.0])
+    behind = [0.5 * (light + np.cos(each) * one + np.sin(each) * two) for each in twice]
+    return np.stack([light, light, light, one, two, 0.0 * light, *behind], axis=-1)
+
+
+def test_pixels_know_how_their_own_stokes_parameters_go_together() -> None:
+    """Light that is polarised alike in every sample is known without error, and its neighbours do not change
+    that; where S1 and S0 know nothing of each other the interval holds."""
+    samples, edge, runs = 256, 8, 60
+    random = np.random.default_rng(4)
+    names, held, chosen = [*_SEEN], [], np.zeros((edge, edge), dtype=bool)
+    truth = float(np.hypot(0.3, 0.4))
+    for _ in range(runs):
+        sums = sums_of(_pixels(random, samples, edge))
+        image = moments_of(
+            sums.pixels,
+            np.full((edge, edge), samples, dtype=np.uint32),
+            sums.block_products,
+            sums.tile_products[None],
+            edge,
+            names[3:],
+        )
+        for column in (1, 6):
+            chosen[:] = False
+            chosen[3, column] = True
+            found = _told(read_region(image, chosen), names)
+            low, high = found.degree_interval
+            if column == 1:
+                assert high - low < 1e-5
+                assert found.degree == pytest.approx(0.5, rel=1e-6)
+                assert found.angle_error < 1e-3
+            else:
+                held.append(low <= truth <= high)
+                assert high - low < 0.06
+    assert np.mean(held) >= 0.88
+
+
+def test_noise_of_unpolarised_light_is_not_taken_for_rare_light() -> None:
+    """Of samples that all are lit, S1 of either sign has the error by its samples alone."""
+    samples, edge = 256, 8
+    values = np.zeros((samples, edge, edge, len(_SEEN)))
+    values[..., :3] = 1.0
+    values[..., 3] = np.random.default_rng(5).choice([-0.5, 0.5], (samples, edge, edge))
+    values[..., 6] = 0.5 * (1.0 + values[..., 3])
+    values[..., 7] = 0.5 * (1.0 + np.sqrt(0.5) * values[..., 3])
+    values[..., 8] = 0.5
+    sums = sums_of(values)
+    counts = np.full((edge, edge), samples, dtype=np.uint32)
+    image = moments_of(sums.pixels, counts, sums.block_products, sums.tile_products[None], edge, _SEEN[3:])
+    error = np.sqrt(image.variance + image.one_more)[..., 3]
+    assert float(error.mean()) == pytest.approx(0.5 / np.sqrt(samples), rel=0.02)
 
 
 def test_dark_or_untold() -> None:

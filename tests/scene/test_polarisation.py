@@ -8,7 +8,7 @@ from nocturne_scene.blobs import BlobStore
 from nocturne_scene.compile import spectra
 from nocturne_scene.compile.compiler import compile_scene
 from nocturne_scene.document.read import check_document
-from nocturne_scene.responses import is_signed, light_groups_in, name_problems
+from nocturne_scene.responses import is_signed, light_groups_in, light_of, name_problems
 
 from .conftest import Compile, Document, expect_problem
 
@@ -25,14 +25,46 @@ def test_each_channel_has_three_more(document: Document, compiled: Compile) -> N
     sensor = compiled(_asking(document, responses={"eye": 1.0}, bands=bands)).sensor
     found = {each.name: each for each in sensor.further_responses}
     names = ["X", "Y", "Z", "eye", "475,000000nm", "625,000000nm"]
-    assert [name for name in found if is_signed(name)] == [
-        f"S{i}.{name}" for i in (1, 2, 3) for name in names
-    ]
+    stokes = [f"S{i}.{name}" for i in (1, 2, 3) for name in names]
+    assert [name for name in found if is_signed(name) and name[0] == "S"] == stokes
     assert found["S2.Y"].values == sensor.response_y
     assert found["S3.475,000000nm"].values == found["S0.475,000000nm"].values
     assert [found[f"S{i}.eye"].stokes for i in (1, 2, 3)] == [1, 2, 3]
     assert not [*name_problems([*found])]
     assert light_groups_in([*found]) == []
+
+
+def test_light_behind_polarisers_is_a_sum_of_values(document: Document, compiled: Compile) -> None:
+    """Half of S0 + S1 cos 2a + S2 sin 2a (Malus's law), from values that lie before it."""
+    sensor = compiled(_asking(document, responses={"eye": 1.0})).sensor
+    names = ["X", "Y", "Z", *(each.name for each in sensor.further_responses)]
+    values = dict(zip(names, np.random.default_rng(1).random(len(names)), strict=True))
+    for place, response in enumerate(sensor.further_responses, start=3):
+        if response.name.startswith("polariser"):
+            layer, _, channel = response.name.partition(".")
+            twice = np.radians(2 * {"polariser0": 0.0, "polariser22": 22.5, "polariser45": 45.0}[layer])
+            behind = values[f"S1.{channel}"] * np.cos(twice) + values[f"S2.{channel}"] * np.sin(twice)
+            found = sum(each.factor * values[names[each.value]] for each in response.terms)
+            assert found == pytest.approx(0.5 * (values[channel] + behind), rel=1e-9)
+            assert max(each.value for each in response.terms) < place
+    told = [name for name in names if name.startswith("polariser")]
+    assert told == [f"polariser{angle}.{name}" for name in ("Y", "eye") for angle in (0, 22, 45)]
+    assert not [*name_problems(names[3:])]
+    assert light_groups_in(names[3:]) == []
+    light = [names[place] for place in light_of(names)]
+    assert (light[names.index("S2.X")], light[names.index("polariser22.eye")]) == ("X", "eye")
+
+
+@pytest.mark.parametrize(("bands", "behind"), [(6, 21), (7, 3), (12, 3)])
+def test_there_is_room_for_twelve_bands(
+    document: Document, compiled: Compile, bands: int, behind: int
+) -> None:
+    """With few of them each has polarisers; with more Y alone."""
+    given = {"first": 400, "last": 400 + 25 * bands, "width": 25}
+    names = [each.name for each in compiled(_asking(document, bands=given)).sensor.further_responses]
+    assert len([name for name in names if name.startswith("polariser")]) == behind
+    light = [*names[:bands], "X", "Y", "Z"]
+    assert all(f"S{i}.{name.removeprefix('S0.')}" in names for i in (1, 2, 3) for name in light)
 
 
 def test_a_polariser_has_its_axis(document: Document, compiled: Compile) -> None:

@@ -5,7 +5,7 @@ from typing import Any
 import httpx
 import numpy as np
 import pytest
-from nocturne_client.contract import Reading, ReadValue, Region
+from nocturne_client.contract import LinearPolarisation, Reading, ReadValue, Region
 from nocturne_client.errors import NocturneClientError
 from nocturne_client.readings import parse_region, sentence
 from nocturne_coordinator.store.data_folder import DataFolder
@@ -111,6 +111,7 @@ def reading(**fields: Any) -> Reading:
         "fewest_samples": 16,
         "most_samples": 16,
         "invalid_samples": 0,
+        "linear_polarisation": None,
     }
     return Reading(**(whole | fields))
 
@@ -121,6 +122,14 @@ def test_a_reading_says_all_quantities_with_their_intervals() -> None:
     )
     assert "rod 0.5 +- 0.2" in sentence(reading(values=[*reading().values, ReadValue("rod", 0.5, 0.1)]))
     assert "nothing seen in 1 of 4 pixels" in sentence(reading(zero_pixels=1))
+
+
+def test_polarised_light_has_degree_and_angle() -> None:
+    found = LinearPolarisation(0.31234, [0.3, 0.325], 87.25, 0.42)
+    told = "linearly polarised by 0.3123 (0.3 to 0.325), at 87.2 +- 0.42 degrees (95 %)"
+    assert sentence(reading(linear_polarisation=found)).endswith(told)
+    unknown = sentence(reading(linear_polarisation=LinearPolarisation(0.3, [], 87.25, None)))
+    assert "linearly polarised by 0.3, at 87.2 degrees" in unknown
 
 
 def test_what_saw_nothing_says_so_with_a_bound() -> None:

@@ -9,6 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 from nocturne_client.cli.app import app
+from nocturne_client.contract import Outline, Region
+from nocturne_client.local.measuring import measure_file
 from nocturne_client.local.render import LocalRender, render_scene
 from typer.testing import CliRunner
 
@@ -91,3 +93,20 @@ def test_the_service_renders_what_a_local_render_does(service: ServiceProcesses,
     mean = {name: float(here.further[name].mean()) for name in ("S1.Y", "S2.Y")}
     assert low <= np.hypot(mean["S1.Y"], mean["S2.Y"]) / here.y.mean() <= high
     assert low < one["degree"] < high
+    _check_told(service, asked.id, found, one)
+
+
+def _check_told(service: ServiceProcesses, render: str, image: Path, whole: dict[str, Any]) -> None:
+    """The service says of its render what the command line says of its file, also of a pixel."""
+    reading = service.client.read_region(render, Region(0, 0, _WIDTH, _HEIGHT)).linear_polarisation
+    assert reading is not None
+    assert reading.degree == pytest.approx(whole["degree"], rel=1e-3)
+    pixel = [Outline("", "rectangle", [[20.0, 8.0], [21.0, 9.0]])]
+    (there,) = service.client.measure(render, pixel, "Y", 0).measurements
+    (here,) = measure_file(image, pixel, "Y", 0).measurements
+    assert there.linear_polarisation is not None
+    assert here.linear_polarisation is not None
+    low, high = there.linear_polarisation.degree_interval
+    assert 0.0 <= low < high < 0.5
+    assert here.linear_polarisation.degree == pytest.approx(there.linear_polarisation.degree, rel=1e-2)
+    assert here.linear_polarisation.degree_interval == pytest.approx([low, high], rel=0.05, abs=1e-3)

@@ -255,7 +255,7 @@ def _exr_channels(
         rows = slice(first * edge, (first + tiles) * edge)
         blocks = slice(first * edge // BLOCK, (first + tiles) * edge // BLOCK)
         of_band = Squares(squares.of_blocks[blocks], squares.of_tiles[first : first + tiles], edge)
-        moments = moments_of(sums[rows], counts[rows], *of_band)
+        moments = moments_of(sums[rows], counts[rows], *of_band, further_responses)
         for name, values in _channels_of(moments, further_responses).items():
             channels.setdefault(name, np.empty((height, width), values.dtype))[rows] = values
         if moments.correlations is not None:

@@ -25,9 +25,17 @@ from nocturne_scene.document.sensors import (
     ThinLens,
 )
 from nocturne_scene.film import Film
+from nocturne_scene.limits import MAX_FURTHER_RESPONSES
 from nocturne_scene.meshes.similarity import Similarity
 from nocturne_scene.quantities import measured_by, photometric_quantity_of
-from nocturne_scene.responses import COLOUR, LIGHT_PARTS, STOKES, counts_light_groups, stokes_channel
+from nocturne_scene.responses import (
+    COLOUR,
+    LIGHT_PARTS,
+    POLARISERS,
+    STOKES,
+    counts_light_groups,
+    stokes_channel,
+)
 from nocturne_scene.spectra import colour_basis, published
 from nocturne_scene.spectra.named_responses import RESPONSES
 from nocturne_scene.spectra.wavelength_range import WavelengthRange
@@ -171,17 +179,42 @@ def _part_responses(observer: NDArray[np.float32]) -> Iterator[scene_pb2.Respons
 
 
 def _stokes_responses(message: scene_pb2.Sensor, light_parts: bool) -> list[scene_pb2.Response]:
-    """S1, S2, S3 of X, Y, Z and of all further responses so far."""
+    """S1, S2, S3 of X, Y, Z and of all further responses so far; then light behind polarisers."""
     if light_parts or any(each.HasField("light_group") for each in message.further_responses):
         raise Unusable("can't be told of light groups, or of direct and indirect light", ".stokes")
     observer = (message.response_x, message.response_y, message.response_z)
     curves = [*zip("XYZ", observer, strict=True)]
     curves += [(each.name, each.values) for each in message.further_responses]
-    return [
+    found = [
         scene_pb2.Response(name=stokes_channel(layer, name), values=values, stokes=number)
         for number, layer in enumerate(STOKES, start=1)
         for name, values in curves
     ]
+    return [*found, *_behind_polarisers(curves)]
+
+
+_Curves = Sequence[tuple[str, Sequence[float]]]
+
+_NO_FACTOR = 1e-9
+
+
+def _behind_polarisers(curves: _Curves) -> Iterator[scene_pb2.Response]:
+    """Of Y and, as far as there is room for all of them, of the further responses."""
+    values, first = len(curves), len("XYZ")
+    every = [1, *range(first, values)]
+    room = MAX_FURTHER_RESPONSES - (len(STOKES) + 1) * values + first
+    for place in every if len(POLARISERS) * len(every) <= room else every[:1]:
+        name, curve = curves[place]
+        for layer, degrees in POLARISERS.items():
+            twice = math.radians(2.0 * degrees)
+            factors = {0: 0.5, 1: 0.5 * math.cos(twice), 2: 0.5 * math.sin(twice)}
+            terms = [
+                # S1 and S2 follow S0 of all.
+                scene_pb2.Response.Term(value=place + values * stokes, factor=factor)
+                for stokes, factor in factors.items()
+                if abs(factor) > _NO_FACTOR
+            ]
+            yield scene_pb2.Response(name=stokes_channel(layer, name), values=curve, terms=terms)
 
 
 def _put_optics(message: scene_pb2.Sensor, sensor: Sensor) -> None:

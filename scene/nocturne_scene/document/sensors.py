@@ -126,8 +126,9 @@ class _Sensor(_AnySensor):
     stokes: bool = Field(
         default=False,
         description="How the light is polarised: further channels `S1.Y` and so on for S1, S2 and S3 of X, Y "
-        "and Z and of each further channel, which is S0. They refer to the direction across that of view and "
-        "across `up`, to the right ([signs](../explanation/polarisation.md)).",
+        "and Z and of each further channel, which is S0, and light of Y behind polarisers. They refer to "
+        "the direction across that of view and across `up`, to the right "
+        "([signs](../explanation/polarisation.md)).",
     )
     position: Vector = Field(description="Where the sensor is, m.")
     look_at: Vector = Field(description="A point in the middle of the image.")

@@ -16,6 +16,7 @@ from nocturne_scene.photometry.measuring import (
 )
 from nocturne_scene.photometry.outlines import Outline
 from nocturne_scene.photometry.places import Places
+from nocturne_scene.photometry.polarisation import LinearPolarisation, polarisation_of
 
 _NUMBERS = ("pixels", "zero_pixels", "mean", "mean_error", "u0", "u0_error", "ud", "ud_error")
 
@@ -27,6 +28,14 @@ def plain(value: Any) -> Any:
     if isinstance(value, list | tuple):
         return [plain(each) for each in value]
     return None if isinstance(value, float) and math.isnan(value) else value
+
+
+def plain_polarisation(found: LinearPolarisation | None) -> dict[str, Any] | None:
+    """An interval that is not known is empty."""
+    if found is None:
+        return None
+    interval = [*found.degree_interval]
+    return {**plain(found), "degree_interval": [] if math.isnan(interval[0]) else interval}
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,9 +51,15 @@ class MeasuredOutline:
 
 
 def plain_measurements(
-    found: Sequence[MeasuredOutline], places: Places, channel: str, quantity: str, unit: str
+    found: Sequence[MeasuredOutline],
+    places: Places,
+    channel: str,
+    names: Sequence[str],
+    of_channel: tuple[str, str],
 ) -> dict[str, Any]:
-    """What outlines of an image show, of one of its channels."""
+    """What outlines of an image show, of one of its channels; `names` are all, `of_channel` has this one's
+    quantity and unit."""
+    quantity, unit = of_channel
 
     def pixel(value: PixelValue) -> dict[str, Any]:
         return {**plain(value), "place": plain(places.place(value.x, value.y))}
@@ -65,6 +80,7 @@ def plain_measurements(
                 for value in each.colour
             ],
             "daylight_factor": plain(each.daylight),
+            "linear_polarisation": plain_polarisation(polarisation_of(measured.reading, names, channel)),
         }
 
     rows = ((each.name, each.outline, each.measured) for each in found)

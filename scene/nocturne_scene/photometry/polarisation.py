@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from nocturne_scene.responses import STOKES, stokes_channel
+from nocturne_scene.responses import POLARISERS, STOKES, stokes_channel
 from nocturne_scene.tile_sums import Values
 from nocturne_scene.uncertainty import CONFIDENCE, RegionReading
 
@@ -48,10 +48,13 @@ def polarisation_of(
     if not whole > 0.0:
         return None
     linear = np.array(both) / whole
-    covariance = _of_ratio(reading, places, linear, whole)
+    correlation = _correlation(reading, names, channel, places)
     angle = 0.5 * math.degrees(math.atan2(linear[1], linear[0])) % 180.0
     found = float(np.hypot(*linear))
-    if covariance is None or not np.isfinite(covariance).all():
+    if correlation is None:
+        return LinearPolarisation(found, (math.nan, math.nan), angle, math.nan)
+    covariance = _of_ratio(correlation, np.array(reading.error)[places], linear, whole)
+    if not np.isfinite(covariance).all():
         return LinearPolarisation(found, (math.nan, math.nan), angle, math.nan)
     towards = linear / found if found > 0.0 else np.array([1.0, 0.0])
     across = np.array([-towards[1], towards[0]])
@@ -63,12 +66,33 @@ def polarisation_of(
     return LinearPolarisation(min(1.0, _without_bias(found, aside)), interval, angle, error)
 
 
-def _of_ratio(reading: RegionReading, places: list[int], linear: Values, whole: float) -> Values | None:
+def _correlation(
+    reading: RegionReading, names: Sequence[str], channel: str, places: list[int]
+) -> Values | None:
+    """Of the errors of S0, S1 and S2. Known in any pixel where the image tells the light behind polarisers:
+    of half of S0 + c S1 + s S2 the variance has that of each, and their covariances. Else as in its tile."""
+    behind = {stokes_channel(layer, channel): degrees for layer, degrees in POLARISERS.items()}
+    if set(behind) <= set(names) and reading.own_variance:
+        own = np.array(reading.own_variance)
+        terms, seen = [], []
+        for name, degrees in behind.items():
+            cosine, sine = math.cos(math.radians(2.0 * degrees)), math.sin(math.radians(2.0 * degrees))
+            squares = own[places] @ np.array([1.0, cosine**2, sine**2])
+            terms.append([2.0 * cosine, 2.0 * sine, 2.0 * cosine * sine])
+            seen.append(4.0 * own[list(names).index(name)] - squares)
+        first, second = [0, 0, 1], [1, 2, 2]
+        both = np.sqrt(own[places][first] * own[places][second])
+        pairs = np.linalg.solve(np.array(terms), np.array(seen))
+        pairs = np.clip(np.divide(pairs, both, out=np.zeros(3), where=both > 0.0), -1.0, 1.0)
+        found = np.eye(3)
+        found[first, second] = found[second, first] = pairs
+        return found
+    return None if reading.correlations is None else reading.correlations[np.ix_(places, places)]
+
+
+def _of_ratio(correlation: Values, error: Values, linear: Values, whole: float) -> Values:
     """Covariance of S1 / S0 and S2 / S0, to first order."""
-    if reading.correlations is None:
-        return None
-    error = np.array(reading.error)[places]
-    covariance = reading.correlations[np.ix_(places, places)] * error[:, None] * error[None, :]
+    covariance = correlation * error[:, None] * error[None, :]
     slopes = np.array([[-linear[0], 1.0, 0.0], [-linear[1], 0.0, 1.0]]) / whole
     return np.asarray(slopes @ covariance @ slopes.T)
 

@@ -4,13 +4,15 @@ Signs are those of docs/explanation/polarisation.md. A negative truth is told wi
 """
 
 import cmath
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from math import cos, pi, radians, sin, sqrt
 
 import numpy as np
+from numpy.typing import NDArray
 
 from nocturne_scene.validation.cases import Quantity, Scene, Value
-from nocturne_scene.validation.documents import BLACK, GREY, Document, box, quad, slab, sun
+from nocturne_scene.validation.documents import BLACK, GREY, Document, box, diffuse, quad, slab, sun
 from nocturne_scene.validation.truths import truths
 
 _MALUS = "Malus's law"
@@ -42,6 +44,9 @@ def scenes() -> Iterator[Scene]:
     for depolarisation in (0.0, 0.0279, 0.1):
         yield _molecules(depolarisation)
     yield from _atmosphere()
+    yield from _random_layers()
+    yield from _iprt("A1", 0.5, 0.0)
+    yield from _iprt("A2", 0.1, 0.3)
 
 
 def _values(name: str, stokes: tuple[float, ...], source: str) -> tuple[Value, ...]:
@@ -216,20 +221,77 @@ def _atmosphere() -> Iterator[Scene]:
     """Light that leaves a Rayleigh layer upwards. Azimuths are from the direction of the Sun's light; Q is
     positive across the meridian plane as S1 is, and the sign of U tells on which side the Sun is."""
     known = truths("polarisation")["coulson"]
-    air = {"scattering": 1.0, "absorption": 0.0, "phase": {"type": "rayleigh"}}
     for row, mu in enumerate(known["cosines"]):
         for column, azimuth in enumerate(known["azimuths"]):
             if mu == 1.0 and azimuth:
                 # Straight up there is no azimuth: another direction of the sensor's right.
                 continue
-            across, angle = sqrt(1 - mu * mu), radians(azimuth)
-            leaves = np.array([-across * cos(angle), across * sin(angle), mu])
-            meter = _meter((3 * leaves).tolist(), [0, 0, 0])
-            if mu == 1.0:
-                meter["up"] = [1, 0, 0]
-            document = _document(meter, [slab(0.5, 100.0, "air")], media={"air": air})
-            document["distant"] = [sun(float(np.degrees(np.arccos(0.2))), irradiance=pi)]
+            light = sun(float(np.degrees(np.arccos(0.2))), irradiance=pi)
+            up = [1, 0, 0] if mu == 1.0 else [0, 0, 1]
+            document = _layer(_Layer(0.5), _upwards(mu, azimuth), light, up)
             stokes = tuple(known[name][row][column] for name in "IQU")
-            yield Scene(
-                document, _values(f"atmosphere, mu {mu:g}, {azimuth} deg", stokes, known["source"]), 2**15
-            )
+            name = f"atmosphere, mu {mu:g}, {azimuth} deg"
+            yield Scene(document, _values(name, stokes, known["source"]), 2**15)
+
+
+def _random_layers() -> Iterator[Scene]:
+    """Q and U have the other sign there."""
+    known = truths("polarisation")["layers"]
+    for number, (depth, albedo, depolarisation, ground, mu0, mu, azimuth, i, q, u) in enumerate(
+        known["rows"]
+    ):
+        layer = _Layer(depth, albedo, depolarisation, ground)
+        light = sun(float(np.degrees(np.arccos(mu0))))
+        document = _layer(layer, _upwards(mu, azimuth), light, [0, 0, 1])
+        yield Scene(document, _values(f"layer {number}", (i, -q, -u), known["source"]), 2**15)
+
+
+def _iprt(case: str, depth: float, ground: float) -> Iterator[Scene]:
+    """Seen from below and from above; angles are of the direction of view, Q is positive along the meridian
+    plane, and U has the other sign. Where zenith or nadir are seen azimuths say where that plane is."""
+    known = truths("polarisation")[f"iprt {case}"]
+    for depolarisation, zenith, azimuth, tilt, turned, i, q, u in known["rows"]:
+        across, angle = sin(radians(tilt)), radians(turned)
+        view = np.array([across * cos(angle), across * sin(angle), cos(radians(tilt))])
+        along = np.array([cos(angle), sin(angle), 0.0])
+        up = {0.0: -along, 180.0: along}.get(tilt, np.array([0.0, 0.0, 1.0])).tolist()
+        layer = _Layer(depth, 1.0, depolarisation, ground)
+        document = _layer(layer, view, sun(zenith, azimuth), up)
+        name = f"IPRT {case}, depolarisation {depolarisation:g}, Sun {zenith:g}, view {tilt:g}/{turned:g} deg"
+        yield Scene(document, _values(name, (i, -q, -u), known["source"]), 2**15)
+
+
+@dataclass(frozen=True)
+class _Layer:
+    """Of molecules, above a ground."""
+
+    depth: float
+    """Optical."""
+    albedo: float = 1.0
+    depolarisation: float = 0.0
+    ground: float = 0.0
+
+
+def _upwards(mu: float, azimuth: float) -> NDArray[np.float64]:
+    """The direction of view against light that leaves upwards; the Sun's goes towards -x."""
+    across, angle = sqrt(1 - mu * mu), radians(azimuth)
+    return -np.array([-across * cos(angle), across * sin(angle), mu])
+
+
+def _layer(layer: _Layer, view: NDArray[np.float64], light: Document, up: Sequence[float]) -> Document:
+    """As deep as its optical depth in m; seen from just above it, or from just below, where the ground is."""
+    from_above = view[2] < 0.0
+    at = np.array([0.0, 0.0, 0.0 if from_above else -layer.depth]) - _NEAR * view
+    meter = _meter(at.tolist(), (at + view).tolist()) | {"up": [*up]}
+    phase = {"type": "rayleigh", "depolarisation": layer.depolarisation}
+    air = {"scattering": layer.albedo, "absorption": 1.0 - layer.albedo, "phase": phase}
+    surfaces = [slab(layer.depth, _WIDE, "air")]
+    if layer.ground:
+        below = -layer.depth - 2 * _NEAR
+        ground = quad([-_WIDE, -_WIDE, below], [2 * _WIDE, 0, 0], [0, 2 * _WIDE, 0])
+        surfaces.append({"shape": ground, "kernel": diffuse(layer.ground)})
+    return _document(meter, surfaces, media={"air": air}, distant=[light])
+
+
+_NEAR, _WIDE = 1e-3, 100.0
+"""m; with a scattering coefficient of 1 / m no light comes from beyond the layer's edges."""

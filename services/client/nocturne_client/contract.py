@@ -236,6 +236,20 @@ class ReadValue:
 
 
 @dataclass(frozen=True)
+class LinearPolarisation:
+    """How the mean light is polarised."""
+
+    degree: float
+    """Of linear polarisation, in [0, 1]: sqrt(S1^2 + S2^2) / S0 less the noise."""
+    degree_interval: list[float]
+    """Low and high end of the 95 % interval; empty where errors are not known."""
+    angle_degrees: float
+    """From the sensor's right towards up, in [0, 180)."""
+    angle_error: float | None
+    """Half of the 95 % interval, degrees; 90: nothing is known of it; null where errors are not known."""
+
+
+@dataclass(frozen=True)
 class Reading:
     """Means over the pixels of a region that have samples."""
 
@@ -273,6 +287,8 @@ class Reading:
     """Of any pixel."""
     invalid_samples: int
     """Of the tiles that the region touches."""
+    linear_polarisation: LinearPolarisation | None
+    """Of Y, where the sensor has `stokes` and there is light."""
 
 
 @dataclass(frozen=True)
@@ -372,6 +388,8 @@ class Measurement:
     """Of the light, where it was asked for and is known."""
     daylight_factor: DaylightFactor | None
     """Of meters whose sensor names an instrument outdoors."""
+    linear_polarisation: LinearPolarisation | None
+    """Of the channel, where the sensor has `stokes` and there is light."""
 
 
 @dataclass(frozen=True)

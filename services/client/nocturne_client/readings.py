@@ -1,6 +1,6 @@
 """What a part of a render's image shows, in words."""
 
-from nocturne_client.contract import Reading, Region
+from nocturne_client.contract import LinearPolarisation, Reading, Region
 from nocturne_client.errors import NocturneClientError
 
 CONFIDENCE = 1.96
@@ -44,9 +44,20 @@ def sentence(reading: Reading) -> str:
         f"{value.name} {interval(value.mean, value.standard_error, '.5g', factor)}"
         for value in (x, z, *further)
     ]
+    if reading.linear_polarisation is not None:
+        told.append(polarised(reading.linear_polarisation))
     confidence = "" if y.standard_error is None else " (95 %)"
     unseen = f"; nothing seen in {reading.zero_pixels:,} of {reading.pixels:,} pixels"
     return ", ".join(told) + confidence + (unseen if reading.zero_pixels else "")
+
+
+def polarised(found: LinearPolarisation) -> str:
+    """Degree and angle of linear polarisation, with their 95 % intervals where these are known."""
+    told = f"linearly polarised by {found.degree:.4g}"
+    if found.degree_interval:
+        told += " ({:.4g} to {:.4g})".format(*found.degree_interval)
+    told += f", at {found.angle_degrees:.1f}"
+    return f"{told}{'' if found.angle_error is None else f' +- {found.angle_error:.2g}'} degrees"
 
 
 def interval(value: float, error: float | None, form: str, factor: float = CONFIDENCE) -> str:

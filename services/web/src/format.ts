@@ -1,4 +1,5 @@
 /** Numbers as people read them. */
+import type { LinearPolarisation } from "./service/types.ts";
 
 const prefixes = ["", "k", "M", "G", "T", "P"];
 
@@ -88,4 +89,10 @@ function significant(value: number, digits: number): string {
 
 function twoDigits(value: number): string {
   return value.toString().padStart(2, "0");
+}
+
+/** Degree with its interval, and angle from the sensor's right towards up. */
+export function polarisationText({ degree, degree_interval: ends, angle_degrees: angle, angle_error: error }: LinearPolarisation): string {
+  const interval = ends.length === 2 ? ` (${ends.map((end) => formatValue(end, 3)).join(" to ")})` : "";
+  return `${formatValue(degree, 3)}${interval}, at ${angle.toFixed(1)}°${error === null ? "" : ` ± ${formatValue(error, 2)}°`}`;
 }

@@ -36,6 +36,15 @@ test("every quantity has the error that the service tells", () => {
   assert.equal(after.rod, "0.25000 ± 0.020");
 });
 
+test("polarised light has degree and angle, with what is known of their errors", () => {
+  const polarised = (more: object): string | undefined => rows(film, {
+    ...told, linear_polarisation: { degree: 0.31234, degree_interval: [0.3, 0.325], angle_degrees: 87.25, angle_error: 0.42, ...more },
+  }, true).Polarised;
+  assert.equal(polarised({}), "0.312 (0.300 to 0.325), at 87.3° ± 0.42°");
+  assert.equal(polarised({ degree_interval: [], angle_error: null }), "0.312, at 87.3°");
+  assert.equal(rows(film, told, true).Polarised, undefined);
+});
+
 test("an image that no service knows has the error of independent pixels, and of a single one at once", () => {
   assert.equal(rows(film, undefined, false)["95\u00a0%"], "± 0.980 (9.8 %)");
   assert.equal(rows({ ...film, pixels: 1 }, undefined, true)["95\u00a0%"], "± 0.980 (9.8 %)");

@@ -129,6 +129,28 @@ TEST_F(WriteExr, HoldsMeansErrorsAndCounts) {
   EXPECT_EQ(image.at("n"), std::vector<float>(kPixels, kSamples));
 }
 
+TEST_F(WriteExr, CountsTheSamplesThatAreLitOfStokesParametersAsOfTheirLight) {
+  TileSums film = equal_samples(1);
+  const std::size_t sum = TileSums::kXyzSums, square = sum + 1;
+  for (std::size_t pixel = 0; pixel < kPixels; ++pixel) {  // as often 2 as -2
+    film.sums[film.channels * pixel + sum] = 0.0;
+    film.sums[film.channels * pixel + square] = squares(4.0);
+  }
+  write(film, {"S1.Y"});
+  // All samples of Y are finds: 10 p + 1 in pixel p.
+  double found = 0.0, squared = 0.0;
+  for (std::size_t pixel = 0; pixel < kPixels; ++pixel) {
+    const double value = 10.0 * static_cast<double>(pixel) + 1.0;
+    found += value;
+    squared += value * value;
+  }
+  const double of_block = 4.0 * kPixels / (kSamples * found * found / squared);
+  const auto image = read();
+  for (const float error : image.at("S1.Y.stderr")) {
+    EXPECT_FLOAT_EQ(error, static_cast<float>(std::sqrt(4.0 + of_block / kSamples)));
+  }
+}
+
 TEST_F(WriteExr, TellsHowErrorsOfNeighboursGoTogether) {
   TileSums film = equal_samples(0);
   EXPECT_EQ(film.block_products.size(), TileSums::kProducts);

@@ -11,6 +11,7 @@
 #include "kernels/conductor.h"
 #include "kernels/dielectric.h"
 #include "kernels/fresnel.h"
+#include "kernels/mueller.h"
 
 namespace nocturne {
 namespace {
@@ -252,6 +253,31 @@ TEST(ThinFilm, BetweenEqualIndicesIsSeen) {
   EXPECT_GT(back->wi.z, 0.0f);
   EXPECT_NEAR(on->wi.x, -wo.x, 1e-6);
   EXPECT_NEAR(on->wi.z, -wo.z, 1e-6);
+}
+
+TEST(ThinFilm, WithoutLayersPolarisesAsAFaceDoes) {
+  for (const float ratio : {0.5f, 0.7f, 0.999f, 1.001f, 1.33f, 1.5f, 2.4f}) {
+    for (const float cosine : {0.02f, 0.3f, 0.5547f, 0.7f, 0.76f, 0.9f, 1.0f}) {
+      const PolarisedAmplitudes by =
+          film_amplitudes(static_cast<double>(cosine), 1.0, {}, {static_cast<double>(ratio)}, 1.0);
+      const bool totally = 1.0f - cosine * cosine > ratio * ratio;
+      for (const bool reflects : {true, false}) {
+        if (totally && !reflects) continue;
+        Mueller<1> face, stack;
+        face.set_face(0, cosine, ratio, reflects);
+        if (reflects) {
+          stack.set(0, by.s.reflected, by.p.reflected);
+        } else {
+          stack.set(0, by.s.transmitted, by.p.transmitted);
+        }
+        EXPECT_NEAR(face.b[0], stack.b[0], 2e-6) << ratio << ' ' << cosine;
+        EXPECT_NEAR(face.c[0], stack.c[0], 2e-6) << ratio << ' ' << cosine;
+        EXPECT_NEAR(face.d[0], stack.d[0], 2e-6) << ratio << ' ' << cosine;
+        EXPECT_NEAR(face.s[0], stack.s[0], 2e-6) << ratio << ' ' << cosine;
+        EXPECT_EQ(face.a[0], 1.0f);
+      }
+    }
+  }
 }
 
 TEST(ThinFilm, OnMetalIsThatOfTheStack) {

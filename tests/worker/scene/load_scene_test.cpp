@@ -186,6 +186,16 @@ TEST(LoadScene, RefusesDamagedMessagesInWords) {
          m.mutable_tracing()->set_sharing(16);
        }},
       {"Stokes", [](auto& m) { add_counted_group(m).set_stokes(4); }},
+      {"a sum of later ones", [](auto& m) { add_counted_group(m).add_terms()->set_value(3); }},
+      {"impossible factor",
+       [](auto& m) {
+         add_counted_group(m).add_terms()->set_factor(std::numeric_limits<double>::infinity());
+       }},
+      {"after sums of others",
+       [](auto& m) {
+         add_counted_group(m).add_terms()->set_value(1);
+         add_counted_group(m).set_stokes(1);
+       }},
       {"polarised light and to parts",
        [](auto& m) {
          add_counted_group(m).set_stokes(1);

@@ -269,6 +269,18 @@ TEST(WavelengthDensity, AGroupIsStratified) {
   }
 }
 
+TEST(WavelengthSampler, AddsUpValuesOfASample) {
+  ResponseCurves c{400, 10, {1, 1, 0}, {1, 1, 0}, {1, 1, 0}, {{1, 1, 1}, {1, 1, 1}}};
+  c.counted = {{}, {LightPart::kWhole, 0, true}};
+  c.sums = {{{{1, 0.5}, {3, -2.0}}}};
+  const WavelengthSampler sampler(c, true);
+  EXPECT_EQ(sampler.further_curves(), 2u);
+  EXPECT_EQ(sampler.counting_curves(), 1u);
+  std::array<double, 5> values{1.0, 4.0, 0.0, 3.0, 0.0};
+  sampler.put_sums(values.data());
+  EXPECT_EQ(values[4], 0.5 * 4.0 - 2.0 * 3.0);
+}
+
 TEST(WavelengthDensity, RefusesWhatWouldLoseLight) {
   const ResponseCurves c{400, 10, {1, 1, 0}, {1, 1, 0}, {1, 1, 0}, {}};
   const auto refuses = [&](std::vector<float> knots, std::vector<float> values) {

@@ -13,7 +13,10 @@
 #include <bit>
 #include <cmath>
 #include <cstddef>
+#include <span>
 #include <stdexcept>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "spectrum/srgb.h"
@@ -46,6 +49,26 @@ double correlation(double covariance, double errors) {
   return errors > 0.0 ? std::clamp(covariance / errors, -1.0, 1.0) : 0.0;
 }
 
+// Of each value, the place of the one that counts the same light whatever its polarisation; as
+// nocturne_scene/responses.py has it.
+std::vector<std::size_t> light_of(std::span<const std::string> names) {
+  constexpr std::array<std::string_view, 6> kPolarised{"S1",         "S2",          "S3",
+                                                       "polariser0", "polariser22", "polariser45"};
+  std::vector<std::size_t> found(names.size());
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const std::size_t point = names[i].find('.');
+    const std::string layer = names[i].substr(0, point);
+    found[i] = i;
+    if (point == std::string::npos || std::ranges::count(kPolarised, layer) == 0) continue;
+    const std::string channel = names[i].substr(point + 1);
+    for (const std::string& name : {channel, "S0." + channel}) {
+      const auto at = std::ranges::find(names, name);
+      if (at != names.end()) found[i] = static_cast<std::size_t>(at - names.begin());
+    }
+  }
+  return found;
+}
+
 // The channels of floats of an image, side by side for each pixel.
 class Channels {
  public:
@@ -54,6 +77,7 @@ class Channels {
       : film_(film), samples_(samples) {
     names_ = {"X", "Y", "Z"};
     names_.insert(names_.end(), further_responses.begin(), further_responses.end());
+    light_ = light_of(names_);
     const std::size_t values = names_.size();
     for (std::size_t i = 0; i < values; ++i) names_.push_back(names_[i] + ".stderr");
     for (const char* name : {"XY.correlation", "XZ.correlation", "YZ.correlation", "X.ownRatio",
@@ -109,13 +133,16 @@ class Channels {
   double one_more(std::uint32_t x, std::uint32_t y, std::size_t i) const {
     const std::size_t block =
         std::size_t{y / TileSums::kBlock} * film_.block_columns() + x / TileSums::kBlock;
-    const double mean = sums(x, y)[sum_of(i)] / samples_;
-    return one_more_[quantities() * block + i] / finds(mean, variance(sums(x, y), i), mean * mean);
+    const std::size_t lit = light_[i];
+    const double mean = sums(x, y)[sum_of(lit)] / samples_;
+    return one_more_[quantities() * block + i] /
+           finds(mean, variance(sums(x, y), lit), mean * mean);
   }
 
   void find_one_more(std::uint32_t left, std::uint32_t top) {
     const std::uint32_t right = std::min(left + TileSums::kBlock, film_.width);
     const std::uint32_t bottom = std::min(top + TileSums::kBlock, film_.height);
+    std::vector<double> of_blocks, finds_of_block;
     for (std::size_t i = 0; i < quantities(); ++i) {
       double of_block = 0.0, found = 0.0, squares = 0.0;
       for_each_pixel(left, top, right, bottom, [&](std::uint32_t x, std::uint32_t y) {
@@ -124,7 +151,11 @@ class Channels {
         found += std::fabs(mean);
         squares += mean * mean;
       });
-      one_more_.push_back(of_block / finds(found, of_block, squares));
+      of_blocks.push_back(of_block);
+      finds_of_block.push_back(finds(found, of_block, squares));
+    }
+    for (std::size_t i = 0; i < quantities(); ++i) {
+      one_more_.push_back(of_blocks[i] / finds_of_block[light_[i]]);
     }
   }
 
@@ -229,6 +260,7 @@ class Channels {
   std::vector<float> values_;
   // By block and quantity.
   std::vector<double> one_more_;
+  std::vector<std::size_t> light_;
 };
 
 // As nocturne_scene/response_correlations.py has it: of each tile the correlations of the errors of

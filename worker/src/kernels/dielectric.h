@@ -96,6 +96,10 @@ struct BoundDielectric {
       const float cosine = roughness.smooth ? wo.z
                            : reflects       ? dot(wo, half_vector(wo, wi))
                                             : dot(wo, half_vector(wo, wi, ratio[i]));
+      if (!film) {
+        found.set_face(i, std::clamp(cosine, 0.0f, 1.0f), ratio[i], reflects);
+        continue;
+      }
       const auto by = film.amplitudes(std::clamp(cosine, 0.0f, 1.0f), i, ratio[i]);
       if (reflects) {
         found.set(i, by.s.reflected, by.p.reflected);

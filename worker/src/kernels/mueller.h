@@ -47,6 +47,33 @@ struct Mueller {
     set(photon, along.norm(), across.norm(), along * across.conjugate());
   }
 
+  /// The face of a dielectric without layers, by Fresnel's amplitudes (fresnel.h); `ratio`: index
+  /// beyond over index on the side of the light. Of transmitted amplitudes only their ratio
+  /// counts.
+  void set_face(std::size_t photon, float cosine, float ratio, bool reflects) {
+    const float contrast = (ratio - 1.0f) * (ratio + 1.0f), square = ratio * ratio;
+    const float g2 = contrast + cosine * cosine;
+    if (g2 > 0.0f) {
+      const float g = std::sqrt(g2), across = cosine + g, within = square * cosine + g;
+      const float rs = reflects ? -contrast / (across * across) : 1.0f / across;
+      const float rp =
+          reflects ? contrast * ((square + 1.0f) * cosine * cosine - 1.0f) / (within * within)
+                   : ratio / within;
+      const float mean = 0.5f * (rs * rs + rp * rp);
+      if (!(mean > 0.0f)) return;
+      b[photon] = 0.5f * (rs * rs - rp * rp) / mean;
+      a[photon] = 1.0f;
+      c[photon] = d[photon] = rs * rp / mean;
+    } else if (reflects) {  // totally: both amplitudes turn their phases
+      const float decay = std::sqrt(-g2);
+      const float real = square * cosine * cosine - g2, imaginary = -cosine * decay * contrast;
+      const float whole = real * real + imaginary * imaginary;
+      a[photon] = 1.0f;
+      c[photon] = d[photon] = whole > 0.0f ? (real * real - imaginary * imaginary) / whole : 1.0f;
+      s[photon] = whole > 0.0f ? 2.0f * real * imaginary / whole : 0.0f;
+    }
+  }
+
   /// Of light a part of which is depolarised: `kept` is the other part, of each photon.
   Mueller diluted(const Spectral<N>& kept) const {
     return {kept * b, kept * a, kept * c, kept * d, kept * s, size};
@@ -89,9 +116,7 @@ Mueller<N> dielectric_mirror(float cosine, const Spectral<N>& ratio, std::uint32
   Mueller<N> found;
   for (std::size_t i = 0; i < N; ++i) {
     if (((photons >> i) & 1u) == 0u) continue;
-    const PolarisedAmplitudes by = film_amplitudes(
-        static_cast<double>(std::clamp(cosine, 0.0f, 1.0f)), 1.0, {}, {double{ratio[i]}}, 1.0);
-    found.set(i, by.s.reflected, by.p.reflected);
+    found.set_face(i, std::clamp(cosine, 0.0f, 1.0f), ratio[i], true);
   }
   return found;
 }

@@ -1,6 +1,7 @@
 #include "scene/load_sensor.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include "math/functions.h"
@@ -134,7 +135,19 @@ LightPart light_part(v1::LightPart part) {
   refuse("a part of the light that this program doesn't know");
 }
 
+// Values before it: X, Y, Z, further responses.
+SumOfValues sum_of_values(const v1::Response& response, std::size_t before) {
+  SumOfValues sum;
+  for (const auto& term : response.terms()) {
+    require(term.value() < before, "a response that is a sum of later ones");
+    require(std::isfinite(term.factor()), "a sum of responses with an impossible factor");
+    sum.terms.push_back({term.value(), term.factor()});
+  }
+  return sum;
+}
+
 CountedLight counted_light(const v1::Response& response) {
+  if (response.terms_size() > 0) return {LightPart::kWhole, 0, true};
   if (response.stokes() != 0) {
     require(response.stokes() <= 3, "a number of the Stokes vector beyond 3");
     require(!response.has_light_group() && response.light() == v1::LIGHT_PART_WHOLE,
@@ -164,6 +177,10 @@ WavelengthSampler load_wavelengths(const v1::Sensor& s) {
   for (const auto& further : s.further_responses()) {
     curves.further.push_back(curve(further.values()));
     curves.counted.push_back(counted_light(further));
+    require(further.terms_size() > 0 || curves.sums.empty(), "a response after sums of others");
+    if (further.terms_size() > 0) {
+      curves.sums.push_back(sum_of_values(further, 2 + curves.further.size() - curves.sums.size()));
+    }
   }
   const auto some = [&](const auto& f) { return std::ranges::any_of(curves.counted, f); };
   require(!some(&CountedLight::stokes) ||

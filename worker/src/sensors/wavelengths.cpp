@@ -99,7 +99,9 @@ WavelengthSampler::WavelengthSampler(const ResponseCurves& curves, const Density
     : density_(checked(curves, density)),
       first_nm_(curves.first_nm),
       inverse_step_(1.0f / curves.step_nm),
-      further_(curves.further) {
+      further_(curves.further),
+      sums_(curves.sums),
+      counting_(further_.size() - sums_.size()) {
   for (std::size_t i = 0; i < curves.y.size(); ++i) {
     xyz_.push_back(Row{curves.x[i], curves.y[i], curves.z[i], 0.0f});
   }

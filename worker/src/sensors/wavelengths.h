@@ -26,6 +26,15 @@ struct CountedLight {
   bool all() const { return part == LightPart::kWhole && !group; }
 };
 
+/// A response that is a sum: of values of a sample, X, Y, Z and further ones, times factors.
+struct SumOfValues {
+  struct Term {
+    std::size_t value;
+    double factor;
+  };
+  std::vector<Term> terms;
+};
+
 /// Sampled response curves on one equally spaced grid, linear in between; per nm, K_m included.
 struct ResponseCurves {
   float first_nm, step_nm;
@@ -34,6 +43,8 @@ struct ResponseCurves {
   std::vector<std::vector<float>> further;
   /// Of each of these; of those that are missing here, all light.
   std::vector<CountedLight> counted = {};
+  /// The last of the further curves count nothing, and are sums of values before them.
+  std::vector<SumOfValues> sums = {};
 
   CountedLight light(std::size_t curve) const {
     return curve < counted.size() ? counted[curve] : CountedLight{};
@@ -92,6 +103,16 @@ class WavelengthSampler {
   }
 
   std::size_t further_curves() const { return further_.size(); }
+  /// Those before sums of others.
+  std::size_t counting_curves() const { return counting_; }
+  /// Of a sample's X, Y, Z and further values.
+  void put_sums(double* values) const {
+    double* sum = values + 3 + counting_;
+    for (const SumOfValues& of : sums_) {
+      for (const auto& [value, factor] : of.terms) *sum += factor * values[value];
+      ++sum;
+    }
+  }
   const CountedLight& light(std::size_t curve) const { return counted_[curve]; }
   /// Whether any curve counts direct or indirect light only.
   bool tells_parts() const { return tells_parts_; }
@@ -128,6 +149,8 @@ class WavelengthSampler {
   std::vector<Row> xyz_;  // side by side; the fourth fills the row
   std::vector<std::vector<float>> further_;
   std::vector<CountedLight> counted_;
+  std::vector<SumOfValues> sums_;
+  std::size_t counting_;
   bool tells_parts_ = false;
   std::uint32_t light_groups_ = 0;
   bool tells_stokes_ = false;

@@ -10,7 +10,8 @@
 namespace nocturne {
 
 /// The mean over a group's photons of response x radiance, for X, Y, Z and then each further
-/// response. Photons that found a value that is no radiance are left out and counted.
+/// response but sums of others. Photons that found a value that is no radiance are left out and
+/// counted.
 template <int N>
 class Response {
  public:
@@ -37,7 +38,7 @@ class Response {
       ++invalid_samples;
     }
     for (std::size_t c = 0; c < 3; ++c) values[c] += scale * mean(wavelengths_.weight[c], kept);
-    for (std::size_t c = 0; c < sampler_.further_curves(); ++c) {
+    for (std::size_t c = 0; c < sampler_.counting_curves(); ++c) {
       const CountedLight& light = sampler_.light(c);
       const Spectral<N> counted = light.all() ? kept : part(light, kept, part_of(light));
       if (!(largest(size(light, counted)) > 0.0f)) continue;

@@ -25,6 +25,13 @@ PixelBatches<N, Media, Polarised>::PixelBatches(const Scene& scene, Film film, s
   sequences_.reserve(2 * static_cast<std::size_t>(most));  // groups point to them
 }
 
+/// Of responses that are sums of others, which polarised scenes alone have. Apart, so that `trace`
+/// has the branches that its profile knows.
+template <bool Polarised>
+void put_sums(const WavelengthSampler& wavelengths, double* values) {
+  if constexpr (Polarised) wavelengths.put_sums(values);
+}
+
 template <int N, bool Media, bool Polarised>
 void PixelBatches<N, Media, Polarised>::trace(std::span<const PixelIndex> samples, TileSums& counts,
                                               double* values) {
@@ -76,6 +83,7 @@ void PixelBatches<N, Media, Polarised>::trace(std::span<const PixelIndex> sample
         estimator_.radiance(i),
         [&](const CountedLight& light) { return estimator_.radiance(i, light); },
         samples_[i].weight, values);
+    put_sums<Polarised>(scene_.wavelengths, values);
   }
 }
 

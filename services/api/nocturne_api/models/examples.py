@@ -167,6 +167,13 @@ RENDER: dict[str, Any] = {
     },
 }
 
+POLARISATION: dict[str, Any] = {
+    "degree": 0.312,
+    "degree_interval": [0.308, 0.317],
+    "angle_degrees": 87.2,
+    "angle_error": 0.4,
+}
+
 READING: dict[str, Any] = {
     "region": {"x": 40, "y": 60, "width": 16, "height": 16},
     "quantity": "luminance",
@@ -190,6 +197,7 @@ READING: dict[str, Any] = {
     "fewest_samples": 64,
     "most_samples": 64,
     "invalid_samples": 0,
+    "linear_polarisation": POLARISATION,
 }
 
 OUTLINE: dict[str, Any] = {"name": "desk", "kind": "polygon", "points": [[8, 8], [24, 8], [16, 20]]}
@@ -226,6 +234,7 @@ MEASUREMENTS: dict[str, Any] = {
                 "minimum": 1.12,
                 "minimum_error": 0.03,
             },
+            "linear_polarisation": POLARISATION,
         }
     ],
     "csv": "name,kind,points,quantity,unit,pixels,mean,mean_error,...",

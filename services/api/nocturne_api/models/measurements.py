@@ -108,6 +108,22 @@ class DaylightFactor(Answer):
     minimum_error: float | None = Field(description=_ERROR)
 
 
+class LinearPolarisation(Answer):
+    """How the mean light is polarised."""
+
+    degree: float = Field(
+        description="Of linear polarisation, in [0, 1]: sqrt(S1^2 + S2^2) / S0 less the noise."
+    )
+    degree_interval: list[float] = Field(
+        description="Low and high end of the 95 % interval; empty where errors are not known."
+    )
+    angle_degrees: float = Field(description="From the sensor's right towards up, in [0, 180).")
+    angle_error: float | None = Field(
+        description="Half of the 95 % interval, degrees; 90: nothing is known of it; null where errors are "
+        "not known."
+    )
+
+
 class Histogram(Answer):
     """How many pixels have which values."""
 
@@ -138,6 +154,9 @@ class Measurement(Answer):
     colour: list[ColourValue] = Field(description="Of the light, where it was asked for and is known.")
     daylight_factor: DaylightFactor | None = Field(
         description="Of meters whose sensor names an instrument outdoors."
+    )
+    linear_polarisation: LinearPolarisation | None = Field(
+        description="Of the channel, where the sensor has `stokes` and there is light."
     )
 
 
@@ -240,6 +259,9 @@ class Reading(Answer):
     fewest_samples: int = Field(description="Of any pixel.")
     most_samples: int = Field(description="Of any pixel.")
     invalid_samples: int = Field(description="Of the tiles that the region touches.")
+    linear_polarisation: LinearPolarisation | None = Field(
+        description="Of Y, where the sensor has `stokes` and there is light."
+    )
 
 
 _Vector = Annotated[list[float], Field(min_length=3, max_length=3)]

@@ -1,7 +1,7 @@
 """The committed image of a render, a row of tiles after the other: the whole film may be gigabytes."""
 
 import asyncio
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,7 +40,7 @@ async def film_parts(
     for row in _rows(region, grid):
         tiles = await access.in_database(access.folder.tiles.between, render_id, row.start, row.stop)
         for run in _runs(tiles):
-            yield await asyncio.to_thread(_part, run, grid, len(schedule.further_responses))
+            yield await asyncio.to_thread(_part, run, grid, schedule.further_responses)
 
 
 def _rows(region: Region, grid: TileGrid) -> list[range]:
@@ -61,11 +61,14 @@ def _runs(tiles: list[tuple[TileChange, bytes]]) -> list[list[tuple[TileChange, 
     return runs
 
 
-def _part(tiles: list[tuple[TileChange, bytes]], grid: TileGrid, further: int) -> FilmPart:
+def _part(
+    tiles: list[tuple[TileChange, bytes]], grid: TileGrid, further_responses: Sequence[str]
+) -> FilmPart:
     """Side by side, so that all of them are one array."""
     places = [grid.tile(change.tile_index) for change, _ in tiles]
     decoded: list[TileSums] = [
-        decode(data, tile.width, tile.height, further) for tile, (_, data) in zip(places, tiles, strict=True)
+        decode(data, tile.width, tile.height, len(further_responses))
+        for tile, (_, data) in zip(places, tiles, strict=True)
     ]
     counts = [
         np.full((tile.height, tile.width), change.samples, dtype=np.uint32)
@@ -77,5 +80,6 @@ def _part(tiles: list[tuple[TileChange, bytes]], grid: TileGrid, further: int) -
         np.concatenate([each.block_products for each in decoded], axis=1),
         np.concatenate([each.tile_products for each in decoded])[None],
         grid.tile_size,
+        further_responses,
     )
     return FilmPart(moments, places[0].x, places[0].y, sum(change.invalid_samples for change, _ in tiles))

@@ -89,7 +89,9 @@ class Measurements:
                     histogram = await self._histogram(render, outline, measured, channel, request)
                 found.append(MeasuredOutline(name, outline, measured, histogram, colour, daylight))
         return models.Measurements.model_validate(
-            plain_measurements(found, places, request.channel, channel.quantity, channel.unit)
+            plain_measurements(
+                found, places, request.channel, channel.names, (channel.quantity, channel.unit)
+            )
         )
 
     async def isolines(

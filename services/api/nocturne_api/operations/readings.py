@@ -5,12 +5,14 @@ import math
 import numpy as np
 from nocturne_coordinator.dispatch.region import Region
 from nocturne_scene.errors import NotFound
+from nocturne_scene.photometry.plain_values import plain_polarisation
+from nocturne_scene.photometry.polarisation import polarisation_of
 from nocturne_scene.quantities import quantity_named
 from nocturne_scene.uncertainty import RegionReading, RegionSums
 
 from nocturne_api.children.pools import Place, learned_in_child
 from nocturne_api.compiling.pool import CompileLimits
-from nocturne_api.models.measurements import LearnedLight, Reading, ReadValue
+from nocturne_api.models.measurements import LearnedLight, LinearPolarisation, Reading, ReadValue
 from nocturne_api.models.renders import Region as RegionModel
 from nocturne_api.operations.film_parts import film_parts, names_of
 from nocturne_api.operations.folder_access import FolderAccess
@@ -56,6 +58,7 @@ def _answer(
         chromaticity = chromaticity_error = (math.nan, math.nan)
     u, v = map(known, chromaticity)
     u_error, v_error = map(known, chromaticity_error)
+    polarised = plain_polarisation(polarisation_of(found, names))
     return Reading(
         region=RegionModel(x=region.x, y=region.y, width=region.width, height=region.height),
         quantity=quantity.name,
@@ -74,6 +77,7 @@ def _answer(
         fewest_samples=found.samples_per_pixel[0],
         most_samples=found.samples_per_pixel[1],
         invalid_samples=invalid_samples,
+        linear_polarisation=None if polarised is None else LinearPolarisation.model_validate(polarised),
     )
 
 

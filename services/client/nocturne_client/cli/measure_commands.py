@@ -15,7 +15,7 @@ from nocturne_client.client import Client
 from nocturne_client.console import CONSOLE, ERRORS
 from nocturne_client.contract import Glare, GlareSource, Measurement, Measurements, Outline
 from nocturne_client.errors import NocturneClientError
-from nocturne_client.readings import CONFIDENCE, interval, parse_region, rounded
+from nocturne_client.readings import CONFIDENCE, interval, parse_region, polarised, rounded
 
 Target = Annotated[
     str, typer.Argument(metavar="ID|IMAGE.exr", help="A render of the service, or a file on this machine.")
@@ -107,8 +107,6 @@ def measure(
         typer.echo((one or found.csv).replace("\r\n", "\n"), nl=False)
     else:
         _print(found)
-        if file is not None:
-            _print_polarisation(file, found, channel)
 
 
 def _print_meters(target: str, file: Path | None, channel: str) -> None:
@@ -225,6 +223,9 @@ def _print(found: Measurements) -> None:
     for each in found.measurements:
         _print_histogram(each)
         _print_colour(each)
+        if each.linear_polarisation is not None:
+            told = polarised(each.linear_polarisation)
+            CONSOLE.print(f"{_name(each.outline)}: {told} (95 %)", highlight=False)
 
 
 def _value(value: float | None, error: float | None, digits: int = 4) -> str:
@@ -251,20 +252,6 @@ def _print_colour(measured: Measurement) -> None:
     for each in measured.colour:
         value = _value(each.value, each.standard_error, 5)
         CONSOLE.print(f"  {each.name}: {value} {each.unit}".rstrip(), highlight=False)
-
-
-def _print_polarisation(file: Path, found: Measurements, channel: str) -> None:
-    from nocturne_client.local.measuring import polarisation_of_file
-
-    outlines = [each.outline for each in found.measurements]
-    for outline, each in zip(outlines, polarisation_of_file(file, outlines, channel), strict=False):
-        if each is not None:
-            low, high = each.degree_interval
-            CONSOLE.print(
-                f"{_name(outline)}: linearly polarised by {each.degree:.4g} ({low:.4g} to {high:.4g}), at "
-                f"{each.angle_degrees:.2f} +- {each.angle_error:.2g} degrees (95 %)",
-                highlight=False,
-            )
 
 
 def _print_histogram(measured: Measurement) -> None:

@@ -19,9 +19,7 @@ from nocturne_scene.photometry.outlines import Kind, Outline
 from nocturne_scene.photometry.places import ATTRIBUTE, Places
 from nocturne_scene.photometry.plain_values import MeasuredOutline, plain, plain_measurements
 from nocturne_scene.photometry.point_illuminances import PointReading, point_reading
-from nocturne_scene.photometry.polarisation import LinearPolarisation, polarisation_of
 from nocturne_scene.quantities import LUMINANCE, Quantity, quantity_named
-from nocturne_scene.responses import stokes_channel
 from nocturne_scene.tile_sums import PRODUCTS, blocks_in
 from nocturne_scene.uncertainty import ImageMoments
 
@@ -60,7 +58,8 @@ def measure_file(
             daylight = None if outdoor is None else measuring.daylight_factor(one, outdoor)
             histogram = _histogram(moments, outline, one, index, bins) if bins else None
             found.append(MeasuredOutline(text, outline, one, histogram, of_light, daylight))
-    return decode(contract.Measurements, plain_measurements(found, places, channel, name, unit))
+    told = plain_measurements(found, places, channel, picture.names, (name, unit))
+    return decode(contract.Measurements, told)
 
 
 def meters_as_csv(image: Path, channel: str) -> str:
@@ -92,20 +91,6 @@ def meters_as_csv(image: Path, channel: str) -> str:
 def _size(picture: Picture) -> tuple[int, int]:
     height, width = picture.xyz.shape[:2]
     return width, height
-
-
-def polarisation_of_file(
-    image: Path, outlines: Sequence[contract.Outline], channel: str
-) -> list[LinearPolarisation | None]:
-    """How the light of parts of an image is polarised; none where it does not tell. Raises
-    NocturneClientError."""
-    with client_errors(_REFUSED):
-        picture = read_picture(image)
-        if channel not in picture.names or stokes_channel("S1", channel) not in picture.names:
-            return []
-        moments, index = _moments(picture), picture.names.index(channel)
-        readings = (_measured(moments, _outline(each), index).reading for each in outlines)
-        return [polarisation_of(each, picture.names, channel) for each in readings]
 
 
 def glare_of_file(

@@ -1,13 +1,14 @@
-/** Table of a measured part: daylight factor, places, and the colour of its light. */
+/** Table of a measured part: daylight factor, places, the colour of its light, and how that is polarised. */
 import { table, tableRow } from "../dom.ts";
-import { formatValue, plusMinus } from "../format.ts";
+import { formatValue, plusMinus, polarisationText } from "../format.ts";
 import { capital } from "../image/look.ts";
 import type { Measurement } from "../service/types.ts";
 
 /** Empty where nothing is known. */
-export function tellsOf({ colour, daylight_factor: daylight, minimum, maximum }: Measurement): HTMLElement[] {
+export function tellsOf({ colour, daylight_factor: daylight, linear_polarisation: polarised, minimum, maximum }: Measurement): HTMLElement[] {
   const rows = colour.map(({ name, value, standard_error: error, unit }) =>
     row(capital(name), value === null ? "–" : `${withError(value, error)} ${unit.replace("m-2", "m⁻²").replace("m2", "m²")}`));
+  if (polarised) rows.push(row("Linearly polarised", polarisationText(polarised)));
   if (daylight) {
     rows.unshift(
       row("Daylight factor", `${withError(daylight.mean, daylight.mean_error)} %`),

@@ -14,6 +14,7 @@ export type RenderPage = Schemas["RenderPage"];
 export type Region = Schemas["Region"];
 export type UnmetPart = Schemas["UnmetPart"];
 export type RegionReading = Schemas["Reading"];
+export type LinearPolarisation = Schemas["LinearPolarisation"];
 export type LearnedLight = Schemas["LearnedLight"];
 export type Outline = Schemas["Outline"];
 export type Measurement = Schemas["Measurement"];

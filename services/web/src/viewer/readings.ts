@@ -1,7 +1,7 @@
 /** Numbers of the inspector as text: those that the film has at once, with the errors that the service tells. Pure. */
 import type { Reading } from "../image/tiled_image.ts";
 import { chromaticity, colourTemperature, distanceFromLocus } from "../image/colour.ts";
-import { formatCount, formatValue, plusMinus } from "../format.ts";
+import { formatCount, formatValue, plusMinus, polarisationText } from "../format.ts";
 import { capital, type Measured } from "../image/look.ts";
 import type { RegionReading } from "../service/types.ts";
 
@@ -24,6 +24,7 @@ export function rowsOf(reading: Reading, told: RegionReading | undefined, isAske
     { name: "u\u2032 v\u2032", text: colourText(reading, told) },
     { name: "x y", text: xyText(reading) },
     { name: "CCT", text: temperatureText(reading) },
+    ...(told?.linear_polarisation ? [{ name: "Polarised", text: polarisationText(told.linear_polarisation) }] : []),
     ...(told?.values.slice(3) ?? []).map(({ name, mean, standard_error: error }) => ({ name, text: withError(formatValue(mean), error) })),
     { name: "Samples", text: fewest === most ? formatCount(fewest) : `${formatCount(fewest)}–${formatCount(most)}` },
     { name: "Invalid samples", text: `${formatCount(reading.invalid_samples)} in tile` },

@@ -5,60 +5,73 @@
 
 namespace nocturne {
 
-template <int N>
-struct PassedOn {
-  Polarisation<N> beyond;
-  /// Of the weight, besides what the kernel does to unpolarised light.
-  Spectral<N> factor;
+/// Light leaves a vertex towards the sensor, and comes from where it was drawn to come from.
+struct PassedRays {
+  Vec3 comes, leaves;
+  /// What the kernel's matrix refers to.
+  Vec3 reference;
 };
 
-/// Past a vertex, where light comes from where it was drawn to go, in its frame.
-template <class Batch, int N, class Kernel>
-PassedOn<N> pass_vertex(Batch& batch, const Group<N>& group, const Vertex<N>& vertex,
-                        const Kernel& kernel, const Draw<N>& draw) {
-  const Vec3 comes = -vertex.to_world(draw.wi), leaves = -group.ray.direction;
-  PassedOn<N> passed{batch.estimator.polarisations()[group.sample], 1.0f};
+template <int N, class Kernel>
+PassedRays rays_past(const Group<N>& group, const Vertex<N>& vertex, const Kernel& kernel,
+                     Vec3 wi) {
+  PassedRays rays{-vertex.to_world(wi), -group.ray.direction, {}};
   if constexpr (requires { kernel.axis; }) {
-    passed.beyond.turn_to(across_ray(kernel.axis, leaves), leaves);
+    rays.reference = across_ray(kernel.axis, rays.leaves);
   } else {
     // Light that goes straight on was in a pane all the same.
-    const bool straight = along_each_other(comes, leaves);
-    passed.beyond.turn_to(across_both(straight ? vertex.frame.normal : comes, leaves), leaves);
+    const bool straight = along_each_other(rays.comes, rays.leaves);
+    rays.reference = across_both(straight ? vertex.frame.normal : rays.comes, rays.leaves);
   }
-  passed.factor = passed.beyond.pass(mueller_of<N>(kernel, vertex.wo, draw, alive(group.weight)));
-  return passed;
+  return rays;
 }
 
+/// Past a vertex.
 template <class Batch, int N, class Kernel>
 requires(Batch::kPolarised) void polarise(Batch& batch, Group<N>& group, const Vertex<N>& vertex,
                                           const Kernel& kernel, const Draw<N>& draw) {
-  const PassedOn<N> passed = pass_vertex(batch, group, vertex, kernel, draw);
-  group.weight *= passed.factor;
-  batch.change_polarisation(group, passed.beyond);
+  if constexpr (!Polarises<Kernel, N> && !PolarisesByPart<Kernel, N>) {
+    if (batch.estimator.polarisations()[group.sample].depolarised) return;
+    Polarisation<N> beyond = batch.estimator.polarisations()[group.sample];
+    beyond.depolarise();
+    batch.change_polarisation(group, beyond);
+  } else {
+    const PassedRays rays = rays_past(group, vertex, kernel, draw.wi);
+    Polarisation<N> beyond = batch.estimator.polarisations()[group.sample];
+    beyond.turn_to(rays.reference, rays.leaves);
+    group.weight *= beyond.pass(mueller_of<N>(kernel, vertex.wo, draw, alive(group.weight)));
+    batch.change_polarisation(group, beyond);
+  }
 }
 
 /// Of light that comes straight from a luminaire.
 template <class Batch, int N, class Kernel>
-requires(Batch::kPolarised) PassedOn<N> polarise_light(Batch& batch, const Group<N>& group,
+requires(Batch::kPolarised) MetLight<N> polarise_light(Batch& batch, const Group<N>& group,
                                                        const Vertex<N>& vertex,
                                                        const Kernel& kernel, Vec3 wi,
                                                        Spectral<N>& found) {
-  const PassedOn<N> passed = pass_vertex(batch, group, vertex, kernel, Draw<N>{.wi = wi});
-  found *= passed.factor;
-  return passed;
+  const Polarisation<N>& here = batch.estimator.polarisations()[group.sample];
+  if constexpr (!Polarises<Kernel, N> && !PolarisesByPart<Kernel, N>) {
+    return {1.0f, here.first_column()};
+  } else {
+    const PassedRays rays = rays_past(group, vertex, kernel, wi);
+    const auto by = mueller_of<N>(kernel, vertex.wo, Draw<N>{.wi = wi}, alive(group.weight));
+    const MetLight<N> met = here.meet(rays.reference, rays.leaves, by);
+    found *= met.factor;
+    return met;
+  }
 }
 
 /// Part of the light of the latest shadow ray. For Stokes vectors its light group does not matter.
 template <class Batch, int N>
-void add_shadow_light(Batch& batch, const PassedOn<N>& passed, std::uint32_t light_group,
+void add_shadow_light(Batch& batch, const MetLight<N>& met, std::uint32_t light_group,
                       const Spectral<N>& part) {
   if (!batch.scene.wavelengths.tells_stokes()) {
     batch.shadow_lights.push_back({batch.shadow_rays.size() - 1, light_group, part});
     return;
   }
   for (std::uint32_t i = 0; i < 3; ++i) {
-    batch.shadow_lights.push_back(
-        {batch.shadow_rays.size() - 1, i, part * passed.beyond.to_sensor[i + 1][0]});
+    batch.shadow_lights.push_back({batch.shadow_rays.size() - 1, i, part * met.stokes[i]});
   }
 }
 
