@@ -37,7 +37,7 @@ def is_overlay(document: Mapping[str, Any]) -> bool:
 
 
 def laid_over(base: Json, overlay: Json) -> tuple[Json, list[Problem]]:
-    """The scene document that an overlay makes of its base, and what is wrong with the overlay.
+    """The scene document that an overlay makes of its base, and the problems of the overlay.
 
     Removals come first, then replacements, then additions. `replace` takes named entries whole, and of
     surfaces and instances only the fields that it gives, in all of that name; null removes a field.
