@@ -85,6 +85,17 @@ def test_what_mirrors_and_glass_show(
 
 @pytest.mark.parametrize("hidden", ["camera", "camera_and_mirrors"])
 @pytest.mark.parametrize("direction", ["adjoint", "both"])
+def test_the_surface_of_a_hidden_lamp_is_hidden_too(
+    tmp_path: Path, wall: np.ndarray, hidden: str, direction: str
+) -> None:
+    """It emits inwards, too: photons that start there meet its other side, which the camera does not see."""
+    dark = lamp(diffuse(0.5), hidden_from=hidden, two_sided=True)
+    shown = image([WALL, dark], tmp_path, tracing={"direction": direction})
+    assert shown.mean() == pytest.approx(wall.mean(), rel=1e-2)
+
+
+@pytest.mark.parametrize("hidden", ["camera", "camera_and_mirrors"])
+@pytest.mark.parametrize("direction", ["adjoint", "both"])
 def test_everything_else_is_lit_the_same(tmp_path: Path, hidden: str, direction: str) -> None:
     """A floor next to the lamp; with media, so that the tracer takes no short cut, and without."""
     floor = surface(quad([-1, -1, -9], [2, 0, 0], [0, 2, 0]), diffuse(0.7))

@@ -241,7 +241,7 @@ def _put_sky(draft: Draft, document: Document) -> None:
 def _planet(draft: Draft) -> Document:
     """The Earth, or a small one whose thick air ends soon."""
     chance = draft.chance
-    made: Document = {"altitude": chance.number(0.5, 2.0)}
+    made: Document = {"altitude": chance.number(0.9, 2.0)}
     earth = chance.maybe(0.5)
     if not earth:
         made |= {"planet_radius": 1e4, "thickness": 300.0}

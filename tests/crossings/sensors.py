@@ -111,6 +111,7 @@ def _on_plate(draft: Draft, corner: Point) -> Document:
         "type": "mesh",
         "vertices": [[0, 0, 0], [0.2, 0.02, 0], [0.2, 0, -0.2], [0, 0.02, -0.2], [-0.1, 0, -0.1]],
         "triangles": [[0, 1, 2], [0, 2, 3], [0, 3, 4]],
+        "texture_coordinates": [[0, 0], [1, 0], [1, 1], [0, 1], [0.5, 2]],
     }
     surface: Document = {"name": "plate", "shape": plate, "kernel": wall(draft)}
     draft.under_meters.append(

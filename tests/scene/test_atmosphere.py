@@ -132,6 +132,7 @@ def test_aerosol(document: Document, compiled: Compile) -> None:
 
 def test_the_spheres_have_their_places_to_a_millimetre(document: Document, compiled: Compile) -> None:
     """float64 from here to the tracer: in float32 steps would be half a metre."""
+    document["sensor"]["position"] = [0, 0, 0]
     scene = compiled(with_atmosphere(document, altitude=1.234567, up=[0, 0, 2], ground_reflectance=0.3))
     shell, ground = scene.surfaces
     for sphere in (shell.sphere, ground.sphere):
@@ -158,6 +159,17 @@ def test_luminaires_keep_their_surfaces(document: Document, compiled: Compile) -
     scene = compiled(document)
     assert [luminaire.surface for luminaire in scene.luminaires] == [1]
     assert len(scene.surfaces) == 5
+
+
+def test_a_sensor_below_the_ground_is_refused(document: Document, compiled: Compile) -> None:
+    """Air grows denser downwards: photons that started there wandered until they were given up."""
+    document["sensor"]["position"] = [0.3, -0.8, 2.0]
+    with pytest.raises(InputError) as caught:
+        compiled(with_atmosphere(document, altitude=0.79))
+    [problem] = caught.value.problems
+    assert problem.place == "$.sensor.position"
+    assert "below the ground" in problem.message
+    compiled(with_atmosphere(document, altitude=0.81))
 
 
 @pytest.mark.parametrize(

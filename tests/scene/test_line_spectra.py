@@ -171,7 +171,7 @@ def test_further_responses_count(document: Document, compiled: Compile) -> None:
     [
         ({"blackbody": 3000}, {}),
         (written([(546.074, 1.0)], 5.0), {}),
-        (written([(546.074, 1.0)], 0.1), {"wavelengths": "uniform"}),
+        (written([(546.074, 1.0)], 5.0), {"wavelengths": "uniform"}),
     ],
 )
 def test_without_narrow_lines_the_sensor_has_no_density(
@@ -180,6 +180,16 @@ def test_without_narrow_lines_the_sensor_has_no_density(
     scene = compiled(lit_by(document, radiance, **sensor))
     assert not scene.sensor.wavelength_knots
     assert not scene.sensor.wavelength_density
+
+
+def test_uniform_wavelengths_find_narrow_lines(document: Document, compiled: Compile) -> None:
+    """Half of them, and the others are as likely everywhere."""
+    radiance = written([(546.074, 1.0)], 0.1)
+    scene = compiled(lit_by(document, radiance, wavelengths="uniform"))
+    knots, density = density_of(scene)
+    base = density[(knots < 545.9) | (knots > 546.3)]
+    assert base == pytest.approx(0.5 / 470.0, rel=1e-5)
+    assert np.trapezoid(density - 0.5 / 470.0, knots) == pytest.approx(0.5, rel=1e-4)
 
 
 def test_of_too_many_lines_the_strongest_count(monkeypatch: pytest.MonkeyPatch) -> None:

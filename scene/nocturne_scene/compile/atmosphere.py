@@ -17,12 +17,16 @@ from nocturne_scene.compile.workspace import Unusable, Workspace
 from nocturne_scene.document import bounds
 from nocturne_scene.document.atmosphere import Atmosphere
 from nocturne_scene.document.problems import path
+from nocturne_scene.document.sensors import Sensor
 from nocturne_scene.media import presets as media_presets
 from nocturne_scene.media import rayleigh
 from nocturne_scene.spectra.wavelength_range import WavelengthRange
 
 # nm, at which an aerosol's optical depth is given.
 AEROSOL_WAVELENGTH = 550.0
+
+_TOUCHES = 1e-6
+"""m; a sensor that lies on the ground. Distances from the Earth's centre are known to 1e-9 m."""
 
 _NOTHING = scene_pb2.Spectrum(values=[0.0])
 
@@ -33,6 +37,8 @@ def atmosphere_surfaces(workspace: Workspace, media: Media) -> list[scene_pb2.Su
     if atmosphere is None:
         return []
     interior = scene_pb2.Interior(index_matched=True, priority=-bounds.PRIORITY)
+    with workspace.problems_at("$.sensor"):
+        _check_above_ground(atmosphere, workspace.document.sensor)
     with workspace.problems_at("$.atmosphere"):
         interior.media.extend(_layers(atmosphere, media, workspace))
     centre = vector(workspace.frame.points(_centre(atmosphere)))
@@ -50,6 +56,20 @@ def atmosphere_surfaces(workspace: Workspace, media: Media) -> list[scene_pb2.Su
             sphere=scene_pb2.Sphere(centre=centre, radius=atmosphere.planet_radius), kernel=index_of(ground)
         ),
     ]
+
+
+def _check_above_ground(atmosphere: Atmosphere, sensor: Sensor) -> None:
+    """Below it the air grows denser and denser, and photons that start there never come out again."""
+    position = getattr(sensor, "position", None)
+    if position is None:
+        return
+    altitude = float(np.linalg.norm(np.array(position) - _centre(atmosphere))) - atmosphere.planet_radius
+    if altitude < -_TOUCHES:
+        raise Unusable(
+            f"is {-altitude:.3g} m below the ground of the atmosphere; the scene's origin is "
+            f"{atmosphere.altitude:g} m above it (`$.atmosphere.altitude`)",
+            ".position",
+        )
 
 
 def _layers(atmosphere: Atmosphere, media: Media, workspace: Workspace) -> list[int]:

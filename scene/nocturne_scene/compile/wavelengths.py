@@ -1,10 +1,10 @@
 """Where wavelengths are drawn so that narrow lines in the scene are found.
 
-A wavelength drawn from the response alone meets a line 0.1 nm wide once in a thousand photons, and then
-carries a thousand times the light: noise. So where the scene has lines narrower than `line_spectra.NARROW`,
-half of all wavelengths are drawn from the response, as without lines, and half from response times lines.
-Other light keeps at least half of its photons, so its noise grows by a factor of 1.4 at most, while a line's
-light becomes like any other.
+A wavelength drawn from the response alone, or uniformly, meets a line 0.1 nm wide once in a thousand photons,
+and then carries a thousand times the light: noise, and few samples meet none and state no error. So where the
+scene has lines narrower than `line_spectra.NARROW`, half of all wavelengths are drawn as without lines, and
+half from that density times lines. Other light keeps at least half of its photons, so its noise grows by a
+factor of 1.4 at most, while a line's light becomes like any other.
 """
 
 import numpy as np
@@ -17,13 +17,12 @@ from nocturne_scene.spectra.published import Floats
 
 def put_wavelength_density(workspace: Workspace, message: scene_pb2.CompiledScene) -> None:
     """Give the sensor of a compiled scene its density, if lines ask for one."""
-    if workspace.document.sensor.wavelengths != "response":
-        return
     found = (workspace.spectra.messages[index].lines for index in _emission(message))
     narrow = [list(lines) for lines in found if any(map(line_spectra.is_narrow, lines))]
     if not narrow:
         return
-    importance = _importance(message.sensor)
+    uniform = workspace.document.sensor.wavelengths == "uniform"
+    importance = np.ones(len(message.sensor.response_x)) if uniform else _importance(message.sensor)
     knots, density = line_spectra.wavelength_density(importance, narrow, within=workspace.wavelengths)
     message.sensor.wavelength_knots.extend(knots.tolist())
     message.sensor.wavelength_density.extend(density.astype(np.float32).tolist())

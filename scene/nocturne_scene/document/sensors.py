@@ -100,7 +100,7 @@ class _AnySensor(Node):
         description="How a photon's wavelength is drawn: in proportion to X + Y + Z of the "
         "observer (a further response counts as much as these), or uniformly over the scene's wavelengths. "
         "Both give the same image; `response` with less noise. Where something emits lines narrower than "
-        f"{line_spectra.NARROW:g} nm, `response` draws half of the photons for lines: each emission spectrum "
+        f"{line_spectra.NARROW:g} nm, half of the photons are drawn for lines: each emission spectrum "
         "that has such lines gets an equal part.",
     )
     motion: Motion | None = Field(

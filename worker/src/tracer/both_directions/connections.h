@@ -17,6 +17,8 @@ void connect_to_camera(Batch& batch, const Group<N>& group, const Vertex<N>& ver
   const PathEnds ends{.diffuse_like_at_camera = diffuse_like,
                       .specular_like_at_luminaire = group.ends.specular_like_at_luminaire};
   if (owner_of(ends) != Transport::kForward) return;
+  // The camera sees past a lamp that is hidden from it, and past what its surface reflects.
+  if (batch.scene.hidden_from(vertex.hit.surface) != HiddenFrom::kNobody) return;
   PhotonSequence sequence = group.sequence.branch(1);
   const Uniform4 u = sequence.next();
   const auto connection =
