@@ -209,6 +209,24 @@ const checks = {
     }
   },
 
+  async "the image takes the window's width, and by a key the whole screen"({ page }) {
+    const size = page.viewportSize();
+    await page.setViewportSize({ width: 1900, height: 900 });
+    const frame = page.locator(".frame").first();
+    assert.ok((await frame.boundingBox()).width > 1450);
+    const button = page.getByRole("button", { name: "Full screen" });
+    await button.focus();
+    await page.keyboard.press("Enter");
+    await until(page, "the image fills the screen", () => page.evaluate(() => document.fullscreenElement?.matches(".picture") ?? false));
+    assert.equal(await button.getAttribute("aria-pressed"), "true");
+    assert.ok((await frame.boundingBox()).width > 1800);
+    assert.ok((await frame.boundingBox()).height >= 530);
+    await page.keyboard.press("Enter");
+    await until(page, "it is a page again", () => page.evaluate(() => document.fullscreenElement === null));
+    assert.equal(await button.getAttribute("aria-pressed"), "false");
+    await page.setViewportSize(size);
+  },
+
   async "a region, a line and a polygon are drawn by keys, a polygon by clicks"({ page }) {
     const canvas = page.locator(".frame canvas[tabindex]");
     const draw = async (name, keys) => {

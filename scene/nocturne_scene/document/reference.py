@@ -76,6 +76,9 @@ Fields that these pages do not name are errors, as are repeated keys, NaN and nu
 names its place, such as `$.surfaces[3].kernel.reflectance`, and the expected value. Editors can check a
 document by its JSON Schema: [scene.schema.json](scene.schema.json).
 
+A document with `base` is an [overlay](../how-to/overlays.md): the command line makes a scene of it and of the
+document that it lies over.
+
 Only used parts of a document are compiled. The compiler names the parts that it leaves out: spectra, kernels
 and media that nothing refers to, triangles without an area, surfaces that all light passes, luminaires
 without visible light, and motions that move nothing.

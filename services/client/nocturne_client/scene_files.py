@@ -7,12 +7,15 @@ from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import Any
 
+from nocturne_client import overlays
 from nocturne_client.errors import NocturneClientError, Problem
 
 DIGEST_PREFIX = "sha256:"
 _READ_BYTES = 1024 * 1024
 # The service refuses longer documents; there is no point in reading one.
 _DOCUMENT_BYTES = 8 * 1024 * 1024
+_MOST_OVERLAYS = 8
+"""One over the other."""
 
 
 @dataclass(frozen=True)
@@ -34,9 +37,42 @@ def read_scene(path: Path) -> SceneOnDisk:
     """Reads the scene document at `path` and replaces relative paths of assets by digests.
 
     A path must stay inside the document's folder. A mesh's extension becomes its `format` if it has none.
-    Raises NocturneClientError that names every path that can't be used.
+    Of an overlay it is the whole scene: its base with the overlay's changes (`nocturne_client.overlays`).
+    Raises NocturneClientError that names every path that can't be used, and every name of an overlay that
+    its base does not have.
     """
+    return _read(path, _MOST_OVERLAYS)
+
+
+def _read(path: Path, most_overlays: int) -> SceneOnDisk:
     document = _read_document(path)
+    above = _with_digests(path, document)
+    if not overlays.is_overlay(document):
+        return above
+    base = _read(_base(path, document["base"], most_overlays), most_overlays - 1)
+    made, problems = overlays.laid_over(base.document, above.document)
+    if problems:
+        raise NocturneClientError(f"{path} does not fit its base, {document['base']}", problems=problems)
+    return SceneOnDisk(made, {**base.files, **above.files})
+
+
+def _base(overlay: Path, base: Any, most_overlays: int) -> Path:
+    """The document that an overlay is laid over. Raises NocturneClientError."""
+    if not isinstance(base, str):
+        said = "expected the path of a scene document"
+    elif is_of_other_renderer(Path(base)):
+        said = f"{base} is no scene document; make one by `nocturne import {base} -o FOLDER`"
+    elif most_overlays == 0:
+        said = f"more than {_MOST_OVERLAYS} overlays, one over the other"
+    else:
+        try:
+            return _resolve(overlay.parent, base)
+        except (OSError, ValueError) as error:
+            said = f"{base}: {_reason(error)}"
+    raise NocturneClientError(f"{overlay} can't be read", problems=[Problem("$.base", said)])
+
+
+def _with_digests(path: Path, document: dict[str, Any]) -> SceneOnDisk:
     files: dict[str, Path] = {}
     problems: list[Problem] = []
     for place, part in _parts_with_paths(document):

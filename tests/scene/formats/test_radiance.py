@@ -139,6 +139,57 @@ def test_skies_are_those_that_radiance_shows(name: str) -> None:
     assert found == pytest.approx(np.array(shown), rel=1e-4)
 
 
+# The same of `gendaylit 3 21 9 -a 48.8 -o -9.2 -m -15 -W 600 120`, `gendaylit -ang 5 20 -W 0 80` and
+# `gendaylit -ang 60 -30 -W 850 90`, without their Suns.
+_TOWARDS_OF_ALL_WEATHER = [
+    [0, 0, 1],
+    [1, 0, 1],
+    [0, -1, 0.3],
+    [-1, 1, 0.2],
+    [0.3, 1, 0.005],
+    [0.5, 0.5, -0.3],
+]
+_ALL_WEATHER: dict[str, tuple[list[float], list[float]]] = {
+    "morning": (
+        [31.55, 11.63, -0.862532, -0.315134, 13.198034, -3.359868, 0.34315, 0.794931, -0.4611, 0.394299],
+        [15.39138, 44.8414, 35.62667, 34.0731, 23.91418, 11.63156],
+    ),
+    "overcast": (
+        [15.93, 1.594, -0.430652, -0.129459, 12.262382, -4.010997, 0.377551, -0.340719, -0.936117, 0.087156],
+        [10.24744, 10.45287, 43.70613, 13.36218, 13.21248, 1.595303],
+    ),
+    "clear": (
+        [31.09, 30.77, -0.989814, -0.207278, 22.213997, -6.015554, 1.321415, 0.25, -0.433013, 0.866025],
+        [17.88787, 18.21254, 27.75414, 28.29743, 33.65816, 30.77062],
+    ),
+}
+
+
+@pytest.mark.parametrize("name", _ALL_WEATHER)
+def test_skies_of_gendaylit_are_those_that_radiance_shows(name: str) -> None:
+    numbers, shown = _ALL_WEATHER[name]
+    towards = np.array(_TOWARDS_OF_ALL_WEATHER, dtype=float)
+    towards /= np.linalg.norm(towards, axis=1, keepdims=True)
+    found = skies.brightness(_primitive("brightfunc", numbers, skies.ALL_WEATHER), towards)
+    assert found == pytest.approx(np.array(shown), rel=1e-4)
+
+
+def test_a_sky_of_gendaylit_without_a_sun(tmp_path: Path) -> None:
+    numbers = " ".join(map(str, _ALL_WEATHER["overcast"][0]))
+    text = f"""
+void light solar 0 0 3 0.0 0.0 0.0
+solar source sun 0 0 4 -0.340719 -0.936117 0.087156 0.533
+void brightfunc skyfunc 2 skybright perezlum.cal 0 10 {numbers}
+skyfunc glow sky_glow 0 0 4 1 1 1 0
+sky_glow source sky 0 0 4 0 0 1 180
+"""
+    document, found = _imported(text + _ROOM, tmp_path)
+    assert "distant" not in document
+    picture = oiio.ImageBuf(str(found.document.parent / document["environment"]["asset"]))
+    pixels = np.asarray(picture.get_pixels(oiio.FLOAT))
+    assert pixels[0, 0, 1] == pytest.approx(179 * _ALL_WEATHER["overcast"][1][0], rel=2e-3)
+
+
 def test_a_sky_and_its_sun(tmp_path: Path) -> None:
     """As gensky writes it, with the two glows of its manual."""
     gensky = """
@@ -210,7 +261,7 @@ metal2 sphere f 0 0 4 9 0 0 1
         (
             "void brightfunc f 2 skybr other.cal 0 3 2 1 1\nf glow g 0 0 4 1 1 1 0\n"
             "g source s 0 0 4 0 0 1 180\n",
-            "the function skybr other.cal is not read; read is that of gensky",
+            "the function skybr other.cal is not read; read are those of gensky and gendaylit",
         ),
     ],
 )

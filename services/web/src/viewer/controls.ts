@@ -25,6 +25,8 @@ interface Wishes {
   /** XYZ of what should look white: the chosen region, or the pixel looked at. */
   neutral: () => Triple | undefined;
   canCompare: boolean;
+  /** What fills the screen when asked to. */
+  picture: HTMLElement;
 }
 
 export function controls(viewer: Viewer, wishes: Wishes): Controls {
@@ -44,7 +46,7 @@ export function controls(viewer: Viewer, wishes: Wishes): Controls {
       tick("Gamut", (warnGamut) => { viewer.change({ warnGamut }); }),
       tick("Workers", (workers) => { viewer.change({ workers }); }),
     ),
-    element("span", { class: "group" }, ...drawing.nodes, ...zoomButtons(viewer)),
+    element("span", { class: "group" }, ...drawing.nodes, ...zoomButtons(viewer), ...fullScreenButton(wishes.picture)),
   );
   return { node, refresh: exposure.refresh, drawing: drawing.kind };
 }
@@ -122,6 +124,18 @@ function zoomButtons(viewer: Viewer): HTMLElement[] {
     button("1:1", "One pixel for one", () => { viewer.zoom(1 / viewer.placement.scale); }),
     button("Fit", "The whole image", () => { viewer.fit(); }),
   ];
+}
+
+/** The image with its tools, legend and numbers over the whole screen; Escape or the button ends it. None where the browser can't. */
+function fullScreenButton(picture: HTMLElement): HTMLElement[] {
+  if (!document.fullscreenEnabled) return [];
+  const node = element("button", { type: "button", "aria-pressed": "false", title: "The image fills the screen; Escape ends it" }, "Full screen");
+  node.addEventListener("click", () => {
+    const change = document.fullscreenElement === picture ? document.exitFullscreen() : picture.requestFullscreen();
+    change.catch(() => { announce("The browser does not give the whole screen"); });
+  });
+  picture.addEventListener("fullscreenchange", () => { node.setAttribute("aria-pressed", `${document.fullscreenElement === picture}`); });
+  return [node];
 }
 
 type OnChange = (value: string, input: HTMLSelectElement) => void;

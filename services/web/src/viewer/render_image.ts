@@ -134,7 +134,7 @@ function assemble(canvas: HTMLCanvasElement, node: HTMLElement, frame: HTMLEleme
   const side = (): "first" | "second" => (viewer.look.side === "second" ? "second" : "first");
   const ask = (region: Region): Promise<RegionReading> | undefined => (side() === "first" ? readRegion(hooks.id, region) : undefined);
   const numbers = inspector(() => viewer.images[side()], () => viewer.look.measured, ask);
-  const tools = controls(viewer, { neutral: () => neutralOf(viewer, looked.pixel), canCompare: hooks.canCompare ?? false });
+  const tools = controls(viewer, { neutral: () => neutralOf(viewer, looked.pixel), canCompare: hooks.canCompare ?? false, picture: node });
   refresh = () => {
     tools.refresh();
     strip.show(viewer.look);

@@ -108,6 +108,9 @@ class _Reader:
         if function is not None:
             skies.brightness(function, np.array([0.0, 0.0, 1.0]))
         if angle < _SUN_DEGREES and function is None:
+            if not any(glow.numbers[:3]):
+                # gendaylit writes a Sun for skies without one, too.
+                return
             towards = surfaces.turned(np.array([x, y, z])).tolist()
             disc = {"direction": towards, "angular_diameter_degrees": angle}
             radiance = materials.emission(glow, self.findings)

@@ -1,7 +1,7 @@
-"""Skies of Radiance: `source` primitives, and the brightness functions that gensky writes.
+"""Skies of Radiance: `source` primitives, and the brightness functions that gensky and gendaylit write.
 
-Radiance's own skybright.cal is repeated, with its blend of sky and ground at the horizon: its overcast sky is
-not quite the CIE's.
+Radiance's own skybright.cal and perezlum.cal are repeated, with their blend of sky and ground at the horizon:
+its overcast sky is not quite the CIE's.
 """
 
 import numpy as np
@@ -14,16 +14,23 @@ from nocturne_scene.formats.radiance.read.primitives import Primitive
 Values = NDArray[np.float64]
 
 FUNCTION = ("skybr", "skybright.cal")
+"""Of gensky."""
+ALL_WEATHER = ("skybright", "perezlum.cal")
+"""Of gendaylit."""
 ROWS = 512
 """Of a picture of the sky."""
 
 
 def brightness(function: Primitive, towards: Values) -> Values:
-    """Of a brightfunc of skybright.cal, at unit vectors with z up. Raises InputError."""
+    """Of a brightfunc of skybright.cal or perezlum.cal, at unit vectors with z up. Raises InputError."""
     given = function.numbers
+    if function.texts[:2] == ALL_WEATHER and len(given) == 10:
+        sky = _all_weather(np.array(given[2:7]), np.array(given[7:]), towards)
+        return _blended(given[0] * sky, given[1], towards[..., 2])
     if function.texts[:2] != FUNCTION or len(given) not in (3, 7):
         raise InputError.at(
-            function.place, f"the function {' '.join(function.texts)} is not read; read is that of gensky"
+            function.place,
+            f"the function {' '.join(function.texts)} is not read; read are those of gensky and gendaylit",
         )
     kind, zenith, ground = given[:3]
     up = np.clip(towards[..., 2], -1.0, 1.0)
@@ -35,9 +42,22 @@ def brightness(function: Primitive, towards: Values) -> Values:
         sky = np.full_like(up, zenith)
     else:
         sky = zenith * _with_sun(kind, np.array(given[4:7]), towards) / given[3]
-    # Of sky and ground, by how far from the horizon the direction is.
-    above, below = (up + 1.01) ** 10, (up + 1.01) ** -10
+    return _blended(sky, ground, up)
+
+
+def _blended(sky: Values, ground: float, up: Values) -> Values:
+    """Of sky and ground, by how far from the horizon the direction is."""
+    raised = np.clip(up, -1.0, 1.0) + 1.01
+    above, below = raised**10, raised**-10
     return np.asarray((above * sky + below * ground) / (above + below))
+
+
+def _all_weather(fit: Values, sun: Values, towards: Values) -> Values:
+    """Relative luminance of the sky of Perez, Seals and Michalsky (1993), with their a to e."""
+    up = np.clip(towards[..., 2], -1.0, 1.0)
+    cosine = np.clip(towards @ sun, -1.0, 1.0)
+    gradation = 1.0 + fit[0] * np.exp(fit[1] / np.maximum(up, 0.01))
+    return np.asarray(gradation * (1.0 + fit[2] * np.exp(fit[3] * np.arccos(cosine)) + fit[4] * cosine**2))
 
 
 def _with_sun(kind: float, sun: Values, towards: Values) -> Values:
