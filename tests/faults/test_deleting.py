@@ -10,6 +10,7 @@ from nocturne_coordinator.queue import keys
 from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.removal import delete_render, sweep
 
+from tests.coordinator.schema import columns_by_table
 from tests.coordinator.service import Service, check_complete, wait_until
 from tests.coordinator.simulated_worker import SimulatedWorker, simulated_result
 from tests.faults.survival import OVERDUE_SOON, SOME_DELAY, check_nothing_left
@@ -38,10 +39,9 @@ def check_forgotten(service: Service, *render_ids: str) -> None:
     """Neither in Redis, nor in the database, nor in the folder; and it stays so."""
     check_nothing_left(service)
     time.sleep(1.0)
-    names = [row["name"] for row in service.folder.database.rows("PRAGMA table_list")]
     for render_id in render_ids:
         assert render_id.encode() not in everything_in_redis(service)
-        for name in names:
+        for name in columns_by_table():
             rows = service.folder.database.rows(f'SELECT * FROM "{name}"')  # noqa: S608
             assert not any(render_id in [*row] for row in rows), name
         assert [path for path in service.data.rglob("*") if render_id in path.name] == []

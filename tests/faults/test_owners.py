@@ -24,6 +24,7 @@ from nocturne_coordinator.store.data_folder import DataFolder
 from nocturne_coordinator.store.ledger import Ledger
 from nocturne_coordinator.store.ownership import Ownership
 
+from tests.coordinator.schema import columns_by_table
 from tests.coordinator.world import World
 from tests.faults.owners import Guarded, guarded, metadata, next_of, request
 from tests.services.conftest import SCENE
@@ -179,14 +180,14 @@ def test_an_owners_renders_go_by_priority() -> None:
 
 def queue_many(folder: DataFolder, owner: str, count: int) -> None:
     """As if the owner had asked for its newest render so many times."""
-    columns = [row["name"] for row in folder.database.rows("PRAGMA table_info(render)")]
-    own = {"number": "NULL", "id": "'r-' || n", "request_id": "'q-' || n"}
+    columns = [name for name in columns_by_table()["render"] if name != "number"]
+    own = {"id": "'r-' || n", "request_id": "'q-' || n"}
     values = ", ".join(own.get(name, name) for name in columns)
     with folder.database.transaction():
         folder.database.execute(
             f"""WITH RECURSIVE counting (n) AS (SELECT 1 UNION ALL SELECT n + 1 FROM counting WHERE n < ?)
-                INSERT INTO render SELECT {values} FROM counting,
-                (SELECT * FROM render WHERE owner = ? ORDER BY number DESC LIMIT 1)""",  # noqa: S608
+                INSERT INTO render ({", ".join(columns)}) SELECT {values} FROM counting,
+                (SELECT * FROM render WHERE owner = ? ORDER BY number DESC LIMIT 1) AS newest""",  # noqa: S608
             (count, owner),
         )
 
@@ -245,7 +246,7 @@ async def test_a_list_of_ten_thousand_is_answered_at_once(
     queue_many(service.folder, "alice", 10_000)
     # Lists do not read through documents, which may have meshes in them.
     service.folder.database.execute(
-        "UPDATE render SET scene_document = hex(zeroblob(100000)) WHERE number % 50 = 0 OR number > 9800"
+        "UPDATE render SET scene_document = ? WHERE number % 50 = 0 OR number > 9800", ("00" * 100_000,)
     )
     for client, count in ((alice, 200), (bob, 1)):
         took = []
@@ -287,8 +288,8 @@ async def test_open_renders_are_bounded_by_owner(tmp_path: Path) -> None:
             async with service.grpc() as channel:
                 stub = render_service_pb2_grpc.RenderServiceStub(channel)
                 service.folder.database.execute(
-                    "INSERT INTO tile (render_id, tile_index, samples, sums) VALUES (?, 0, 4, x'00')",
-                    (made[0],),
+                    "INSERT INTO tile (render_id, tile_index, samples, sums) VALUES (?, 0, 4, ?)",
+                    (made[0], b"\x00"),
                 )
                 with pytest.raises(grpc.aio.AioRpcError) as caught:
                     await stub.ReplayRender(

@@ -20,6 +20,9 @@ _OF_ONE_ALONE = {
     "test_coordinator_killed": _CRASHES,
     "test_a_killed_coordinator_is_replaced_at_once": _CRASHES,
     "test_coordinator_in_a_crash_loop": _CRASHES,
+    "test_further_responses_come_through_a_restart": _CRASHES,
+    "test_a_slow_merger_holds_the_workers_back": "slows one coordinator down; the other merges",
+    "test_an_upgrade_in_mid_render": "stops its coordinator, and the other goes on by the engine that it has",
     "test_second_coordinator_is_refused": "about coordinators that do not share",
 }
 
