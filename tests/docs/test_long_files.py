@@ -2,6 +2,7 @@
 
 import ast
 import re
+import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -14,6 +15,8 @@ MADE = {"services/client/nocturne_client/contract.py", "services/web/src/service
 
 MAX_LINES, FIRST_LINES = 350, 20
 MAX_FUNCTION = 60
+MAX_BYTES = 1_500_000
+"""Of a file that is kept; the table of colours has 1.2 million. Data of other programs stay outside."""
 OPTIONS = {
     ("services/api/nocturne_api/main.py", "_settings"),
     ("services/client/nocturne_client/cli/annual_command.py", "annual"),
@@ -55,3 +58,11 @@ def test_long_functions_are_lists_of_options() -> None:
         and (node.end_lineno or 0) - node.lineno >= MAX_FUNCTION
     }
     assert found == OPTIONS
+
+
+def test_no_large_file_is_kept() -> None:
+    """A peer's 200 megabytes of tables were, once, by a command that wrote them where it was started."""
+    listed = subprocess.run(["git", "ls-files", "-z"], cwd=ROOT, check=True, capture_output=True, text=True)
+    kept = [ROOT / name for name in listed.stdout.split("\0") if name]
+    large = [path.name for path in kept if path.is_file() and path.stat().st_size > MAX_BYTES]
+    assert not large

@@ -218,12 +218,12 @@ const checks = {
     await button.focus();
     await page.keyboard.press("Enter");
     await until(page, "the image fills the screen", () => page.evaluate(() => document.fullscreenElement?.matches(".picture") ?? false));
-    assert.equal(await button.getAttribute("aria-pressed"), "true");
+    await until(page, "the button is pressed", async () => (await button.getAttribute("aria-pressed")) === "true");
     assert.ok((await frame.boundingBox()).width > 1800);
     assert.ok((await frame.boundingBox()).height >= 530);
     await page.keyboard.press("Enter");
     await until(page, "it is a page again", () => page.evaluate(() => document.fullscreenElement === null));
-    assert.equal(await button.getAttribute("aria-pressed"), "false");
+    await until(page, "the button is no more pressed", async () => (await button.getAttribute("aria-pressed")) === "false");
     await page.setViewportSize(size);
   },
 

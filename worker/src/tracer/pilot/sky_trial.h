@@ -1,4 +1,4 @@
-// What it is worth to photons from the sensor to know which sky is visible.
+// The gain by a learned visible sky for photons from the sensor.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ struct SkyTrial {
 };
 
 /// Whether adjoint photons have less error for the same cost where half of those towards the sky go
-/// to what was learned of it: the environment's own density has these, too, and may know better
+/// to the learned part of it: the environment's own density has these, too, and may know better
 /// where a window shows the Sun (docs/decisions/0116-visible-sky.md). It pays if it does by more
 /// than a standard error, by about so many samples of a small film. `scene` knows `sky` afterwards
 /// if that pays, and nothing otherwise.
