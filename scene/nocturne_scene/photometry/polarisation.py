@@ -51,10 +51,9 @@ def polarisation_of(
     correlation = _correlation(reading, names, channel, places)
     angle = 0.5 * math.degrees(math.atan2(linear[1], linear[0])) % 180.0
     found = float(np.hypot(*linear))
-    if correlation is None:
-        return LinearPolarisation(found, (math.nan, math.nan), angle, math.nan)
-    covariance = _of_ratio(correlation, np.array(reading.error)[places], linear, whole)
-    if not np.isfinite(covariance).all():
+    errors = np.array(reading.error)[places]
+    covariance = None if correlation is None else _of_ratio(correlation, errors, linear, whole)
+    if covariance is None or not np.isfinite(covariance).all():
         return LinearPolarisation(found, (math.nan, math.nan), angle, math.nan)
     towards = linear / found if found > 0.0 else np.array([1.0, 0.0])
     across = np.array([-towards[1], towards[0]])

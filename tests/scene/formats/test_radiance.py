@@ -118,7 +118,14 @@ def test_round_surfaces() -> None:
 
 # What `rtrace -ab 0` of Radiance 6.0a (pyradiance 1.3.1) shows of `gensky 3 21 12 +s / -c / +i -a 48 -o -9
 # -m -15` with glows of 1 1 1, towards these directions (z up).
-_TOWARDS = [[0, 0, 1], [0, 1, 0.2], [1, 0, 0.02], [0.3, -1, 0.5], [0, 1, -0.02], [0, 1, -1]]
+_TOWARDS: list[list[float]] = [
+    [0, 0, 1],
+    [0, 1, 0.2],
+    [1, 0, 0.02],
+    [0.3, -1, 0.5],
+    [0, 1, -0.02],
+    [0, 1, -1],
+]
 _SUN = [0.136587, -0.740876, 0.657607]
 _SHOWN = {
     "clear": ([1, 8.585, 19.61, 0.5146, *_SUN], [8.580121, 14.66113, 18.38196, 48.58933, 19.58916, 19.61]),
@@ -132,16 +139,20 @@ _SHOWN = {
 
 @pytest.mark.parametrize("name", _SHOWN)
 def test_skies_are_those_that_radiance_shows(name: str) -> None:
-    numbers, shown = _SHOWN[name]
-    towards = np.array(_TOWARDS, dtype=float)
-    towards /= np.linalg.norm(towards, axis=1, keepdims=True)
-    found = skies.brightness(_primitive("brightfunc", numbers, skies.FUNCTION), towards)
+    _check_shown(skies.FUNCTION, _TOWARDS, *_SHOWN[name])
+
+
+def _check_shown(
+    function: tuple[str, str], towards: list[list[float]], numbers: list[float], shown: list[float]
+) -> None:
+    unit = np.array(towards) / np.linalg.norm(towards, axis=1, keepdims=True)
+    found = skies.brightness(_primitive("brightfunc", numbers, function), unit)
     assert found == pytest.approx(np.array(shown), rel=1e-4)
 
 
 # The same of `gendaylit 3 21 9 -a 48.8 -o -9.2 -m -15 -W 600 120`, `gendaylit -ang 5 20 -W 0 80` and
 # `gendaylit -ang 60 -30 -W 850 90`, without their Suns.
-_TOWARDS_OF_ALL_WEATHER = [
+_TOWARDS_OF_ALL_WEATHER: list[list[float]] = [
     [0, 0, 1],
     [1, 0, 1],
     [0, -1, 0.3],
@@ -167,11 +178,7 @@ _ALL_WEATHER: dict[str, tuple[list[float], list[float]]] = {
 
 @pytest.mark.parametrize("name", _ALL_WEATHER)
 def test_skies_of_gendaylit_are_those_that_radiance_shows(name: str) -> None:
-    numbers, shown = _ALL_WEATHER[name]
-    towards = np.array(_TOWARDS_OF_ALL_WEATHER, dtype=float)
-    towards /= np.linalg.norm(towards, axis=1, keepdims=True)
-    found = skies.brightness(_primitive("brightfunc", numbers, skies.ALL_WEATHER), towards)
-    assert found == pytest.approx(np.array(shown), rel=1e-4)
+    _check_shown(skies.ALL_WEATHER, _TOWARDS_OF_ALL_WEATHER, *_ALL_WEATHER[name])
 
 
 def test_a_sky_of_gendaylit_without_a_sun(tmp_path: Path) -> None:

@@ -23,11 +23,11 @@ SkyTrial try_visible_sky(Scene& scene, VisibleSky sky, Film film, double samples
   const PilotImages without = trials.images(kind, small, whole(small, kSamples));
   scene.lights.set_visible_sky(std::move(sky));
   const PilotImages with = trials.images(kind, small, whole(small, kSamples));
+  PilotImages both = without;
+  extend(both, with);
   std::vector<double> light;
-  for (const PixelLight& each : light_of_pixels(without)) light.push_back(0.5 * each.mean);
-  std::size_t pixel = 0;
-  for (const PixelLight& each : light_of_pixels(with)) light[pixel++] += 0.5 * each.mean;
-  const std::vector<double> shown = light_around(light, without);
+  for (const PixelLight& each : light_of_pixels(both)) light.push_back(each.mean);
+  const std::vector<double> shown = light_around(light, both);
   const PilotFigures plain = figures_of(kind, without, shown, 1.0),
                      knowing = figures_of(kind, with, shown, 1.0);
   const double gain = plain.relative_mse * plain.cost / (knowing.relative_mse * knowing.cost);
