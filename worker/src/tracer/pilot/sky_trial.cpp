@@ -32,7 +32,8 @@ SkyTrial try_visible_sky(Scene& scene, VisibleSky sky, Film film, double samples
                      knowing = figures_of(kind, with, shown, 1.0);
   const double gain = plain.relative_mse * plain.cost / (knowing.relative_mse * knowing.cost);
   const double error = error_of_log_ratio(plain.of_groups, knowing.of_groups);
-  SkyTrial trial{.pays = math::log(gain) > error, .samples = trials.photons()};
+  SkyTrial trial{.pays = math::log(gain) > error,
+                 .samples = trials.photons() / scene.options.group};
   if (!trial.pays) scene.lights.set_visible_sky({});
   return trial;
 }
